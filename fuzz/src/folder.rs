@@ -186,7 +186,7 @@ fn job(bytes: &mut Bytes) -> RenderJob {
     let mut rig = RigSettings::default();
     (rig.views, rig.pixels) = (GridSize::new(2, 2), Pixels::Lenses(GridSize::new(3, 3)));
     settings.camera = rig.into();
-    settings.light.samples = Some(1);
+    settings.light.samples = Some(1.into());
     settings.light.integrator = if bytes.below(2) == 0 { Integrator::Direct } else { Integrator::Depth };
     if settings.light.integrator == Integrator::Direct {
         settings.output.write =

@@ -35,11 +35,11 @@ fn render(scene: &Scene, sky: [f32; 3], backend: Backend, threads: usize, change
 #[test]
 fn the_image_does_not_depend_on_threads() {
     let changes: [fn(&mut Request); 3] = [
-        |request| request.transport.samples = 1,
-        |request| (request.transport.samples, request.transport.seed) = (5, 7),
+        |request| request.transport.samples = 1.into(),
+        |request| (request.transport.samples, request.transport.seed) = (5.into(), 7),
         |request| {
             (request.transport.samples, request.transport.target_error, request.transport.roulette) =
-                (32, Some(0.1), false)
+                (32.into(), Some(0.1), false)
         },
     ];
     for (scene, sky) in scenes() {
@@ -67,7 +67,7 @@ fn both_backends_have_the_same_radiance() {
     };
     for (scene, sky) in scenes() {
         let [a, b] = [first, second].map(|backend| {
-            let rendered = render(&scene, sky, backend, 2, |request| request.transport.samples = 16);
+            let rendered = render(&scene, sky, backend, 2, |request| request.transport.samples = 16.into());
             rendered.color.expect("an image").to_elemental_grid().unwrap()
         });
         let mut differences: Vec<f64> = a

@@ -71,7 +71,7 @@ fn measure(name: &str, options: &Options) -> Option<f64> {
     let request = Request::new(rig).integrator(options.integrator).samples(options.samples);
 
     let start = Instant::now();
-    let [mut color, mut guides] = bench::samples(&renderer, &request).expect("a render");
+    let [mut color, guides] = bench::samples(&renderer, &request).expect("a render");
     let render = start.elapsed().as_secs_f64();
     let list = nine(options.views);
     let counts = [shape.lenses().rows, shape.lenses().columns, options.views, options.views];
@@ -79,8 +79,8 @@ fn measure(name: &str, options: &Options) -> Option<f64> {
     let before = images(color.as_chunks().0, counts, &list);
     let mut error = vec![0.0; color.len() / 3];
     let start = Instant::now();
-    let guides = guides.as_slice_mut().expect("an image without gaps");
-    bench::reconstruct(&renderer, counts, [color, guides], options.samples, Some(&mut error));
+    let guides = guides.as_slice().expect("an image without gaps");
+    bench::reconstruct(&renderer, counts, color, guides, Some(&mut error));
     let seconds = start.elapsed().as_secs_f64();
     print!("{name:<10} {render:>9.2} {seconds:>12.2} {:>5.0}%", 100.0 * seconds / render);
     if options.reference == 0 {

@@ -20,6 +20,7 @@ pub use self::camera::{Camera, Poses};
 pub(crate) use self::canonical::{OPTIONS, changed, from_manifest, texts, to_manifest};
 pub use self::given::{Given, PRESETS, Preset, spelled};
 pub use self::table::{LightSettings, OutputSettings, RigSettings, SceneSettings};
+pub(crate) use self::types::number_of_samples;
 pub use self::types::{
     EngineSettings, Exposure, Focus, Frames, LayerChoice, Output, Pixels, RawLayer, SensorName, Shard, Sky, Spacing,
     Tool, ViewSubset,
@@ -42,7 +43,7 @@ pub use self::words::name as word;
 /// let rig = RigSettings::default().views(20).lenses([265, 397]); // rows, columns
 /// assert_eq!((rig.views, rig.pixels), (GridSize::new(20, 20), Pixels::Lenses(GridSize::new(265, 397))));
 /// let settings = RenderSettings::default().camera(rig.clone()).samples(64).seed(7).write([Output::El]);
-/// assert_eq!((settings.light.samples, settings.light.seed), (Some(64), 7));
+/// assert_eq!((settings.light.samples, settings.light.seed), (Some(64.into()), 7));
 /// assert_eq!((settings.camera.rig(), settings.output.write), (Some(&rig), vec![Output::El]));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]

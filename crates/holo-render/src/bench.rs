@@ -61,7 +61,7 @@ pub struct Traced {
 }
 
 /// The color and the guides of a request before their reconstruction across views, as elemental image arrays with 3 and
-/// 2 channels.
+/// 3 channels.
 ///
 /// # Errors
 /// As [`Renderer::render`].
@@ -74,13 +74,13 @@ pub fn samples(renderer: &Renderer, request: &Request) -> Result<[Array3<f32>; 2
 pub fn reconstruct(
     renderer: &Renderer,
     shape: [usize; 4],
-    [color, guides]: [&mut [f32]; 2],
-    samples: u32,
+    color: &mut [f32],
+    guides: &[f32],
     error: Option<&mut [f32]>,
 ) {
     let movement = [1.0; 2];
     let rows = 0..shape[0];
-    let all = Reconstruction { shape, color, guides, movement, samples, filters: true, replaces: true, rows, error };
+    let all = Reconstruction { shape, color, guides, movement, filters: true, replaces: true, rows, error };
     renderer.install(|| all.run(|| true));
 }
 

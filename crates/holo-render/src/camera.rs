@@ -15,11 +15,14 @@ pub(crate) mod rig;
 pub(crate) mod tile;
 
 use crate::accel::{CAMERA_RAY, Cells, ExactRays, RayHits};
-use crate::sampling::{PixelIds, Sampler};
+use crate::sampling::{PixelIds, Sampler, rank};
 use crate::simd::{LANES, Lanes};
 use plenoptic::{PlenopticRays, RawPacket};
 use rig::{RigPixels, RigRays};
 use tile::{PacketPositions, Tile};
+
+/// The side of a square of about as many pixels as a packet has.
+const BLOCK: u32 = 4;
 
 /// The source of the rays of an image.
 pub(crate) enum RaySource {
@@ -85,6 +88,17 @@ impl<'a> Iterator for Packets<'a> {
 }
 
 impl PixelPacket<'_> {
+    /// The [rank](crate::sampling::rank) of the packet among those of its microlens, or, of packets that have pixels of
+    /// several microlenses, among those of its view.
+    #[inline(always)]
+    pub fn rank(&self, seed: u64) -> u32 {
+        let (lens, view) = (self.ids.lens[0], [self.ids.view[0][0], self.ids.view[1][0]]);
+        match &self.source {
+            PixelSource::Rig(rig, _) => rig.rank(seed, lens, view),
+            PixelSource::Plenoptic(..) => rank(seed, lens, view.map(|k| k / BLOCK)),
+        }
+    }
+
     /// The rays of sample number `sample` through the pixels, also written as f32 to `packet`. A centered sampler takes
     /// one through the center.
     #[inline(always)]

@@ -102,7 +102,7 @@ pub(crate) struct Policy {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayCounts {
     /// Camera rays, from a pixel into the scene: one per sample. Those of views that share light are traced twice and counted
-    /// once.
+    /// once; those that only find what a pixel without samples shows are not counted.
     pub primary: u64,
     /// Shadow rays, from a surface towards a light.
     pub shadow: u64,

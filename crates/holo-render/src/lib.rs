@@ -72,4 +72,4 @@ pub use render::{
     Camera, Checkpoint, Denoise, FinishedTile, Frame, GroundTruth, Motion, RawStatistics, Rendered, Renderer, Request,
     Reuse, TextureFilter, TileId, TileKind, Transport, Views, World,
 };
-pub use sampling::Sampling;
+pub use sampling::{SamplesPerPixel, Sampling};

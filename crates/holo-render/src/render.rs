@@ -299,11 +299,11 @@ impl Renderer {
         let filters = transport.texture_filter == TextureFilter::Footprint && is_plain;
         let sampler = Sampler {
             seed: transport.seed,
-            samples: transport.samples,
+            samples: transport.samples.of_traced(),
             sampling: transport.sampling,
             // A square of several pixels is more than what its center sees.
-            centered: transport.samples == 1 && is_plain && request.filter_width_px == 1.0,
-            cells: filters.then(|| sampling::cells(transport.samples)),
+            centered: transport.samples == 1.into() && is_plain && request.filter_width_px == 1.0,
+            cells: filters.then(|| sampling::cells(transport.samples.of_traced())),
         };
         let scene = self.scene_data(transport, integrator);
         Context { scene, camera: RaySource::Rig(rig), sampler, policy, guides, inverse_depths: false, stop }
@@ -345,7 +345,7 @@ impl Renderer {
     fn reuses(&self, request: &RigRequest, integrator: Integrator, region: &Region) -> bool {
         let transport = &request.transport;
         // A single sample is for speed.
-        let is_possible = transport.samples > 1
+        let is_possible = transport.samples.of_traced() > 1
             && region.tiling.is_one_lens_a_packet()
             && !region.selection.is_list()
             && !transport.transparent_shadows

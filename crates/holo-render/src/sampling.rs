@@ -16,6 +16,11 @@
 //! operations are branch-free arithmetic on 32-bit lanes, so that the points of 16 pixels are computed together. **May
 //! import:** SIMD.
 
+mod rate;
+
+pub use self::rate::SamplesPerPixel;
+pub(crate) use self::rate::{RANKS, rank};
+
 use crate::simd::LANES;
 use crate::simd::angles::sin_cos_quarter;
 

@@ -142,7 +142,7 @@ mod tests {
         assert_eq!(options.scenes, ["garden", "chess"]);
         assert_eq!(options.view_counts, [holo_core::GridSize::new(20, 20), holo_core::GridSize::new(3, 4)]);
         let (_, settings) = options.settings().unwrap();
-        assert_eq!((settings.light.samples, settings.light.indirect, options.quiet), (Some(5), false, false));
+        assert_eq!((settings.light.samples, settings.light.indirect, options.quiet), (Some(5.into()), false, false));
         let spacing = settings.camera.rig().unwrap().spacing;
         assert_eq!((spacing, options.glb), (Spacing::FNumber(2.8), vec!["some/own/a.glb".into()]));
     }

@@ -48,6 +48,8 @@ fn numbers_out_of_range() {
     refused(&bench, "--focal-mm -35", &["--focal-mm", "above 0"]);
     refused(&bench, "--sensor-mm inf", &["--sensor-mm", "above 0"]);
     refused(&bench, "--spp 0", &["--spp", "an integer from 1 to 65536"]);
+    refused(&bench, "--spp 1/4", &["1/4 samples per pixel", "--denoise views"]);
+    refused(&bench, "--spp 1/5 --denoise views", &["--spp", "1/64"]);
     refused(&bench, "--spp -1", &["--spp", "an integer from 1 to 65536"]);
     refused(&bench, "--threads 0", &["--threads", "1..=1024"]);
     refused(&bench, "--seed -1", &["--seed"]);

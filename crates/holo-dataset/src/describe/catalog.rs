@@ -176,7 +176,7 @@ mod tests {
         let pixels = Pixels::Sensor(holo_core::Sensor::Other(GridSize::new(12, 18)));
         let rig = RigSettings { pixels, ..RigSettings::default() };
         let mut settings = RenderSettings { camera: rig.into(), ..RenderSettings::default() };
-        (settings.light.samples, settings.output.write) = (Some(1), vec![crate::Output::Disparity]);
+        (settings.light.samples, settings.output.write) = (Some(1.into()), vec![crate::Output::Disparity]);
         let (sources, views) = (sources(Some(&names), &[]).unwrap(), [GridSize::new(3, 3)]);
         let plan = DatasetPlan::new(&sources, &views, settings, EngineSettings::default()).unwrap();
         plan.describe(root.path(), &(), &Rollback::default()).unwrap();

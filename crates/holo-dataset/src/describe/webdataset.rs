@@ -288,7 +288,7 @@ mod tests {
         let pixels = Pixels::Sensor(holo_core::Sensor::Other(GridSize::new(12, 18)));
         let rig = RigSettings { pixels, ..RigSettings::default() };
         let mut settings = RenderSettings { camera: rig.into(), ..RenderSettings::default() };
-        settings.light.samples = Some(1);
+        settings.light.samples = Some(1.into());
         let views = [GridSize::new(3, 3)];
         let plan = DatasetPlan::new(&sources, &views, settings, EngineSettings::default()).unwrap();
         plan.describe(root, &(), &Rollback::default()).unwrap();

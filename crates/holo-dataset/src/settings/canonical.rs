@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use holo_io::{CameraFile, Manifest, ManifestValue};
-use holo_render::Integrator;
+use holo_render::{Denoise, Integrator, SamplesPerPixel};
 
 use super::types::{MAP, Output};
 use super::value::text;
@@ -29,13 +29,14 @@ const TOOLS: &str = "for";
 type Values = BTreeMap<String, ManifestValue>;
 
 impl LightSettings {
-    /// Returns the number of samples per pixel: the one that is set, or the default of integrator and target error.
+    /// Returns the number of samples per pixel: the one that is set, or the default of integrator, target error
+    /// and denoising.
     #[must_use]
-    pub fn samples_per_pixel(&self) -> u32 {
-        self.samples.unwrap_or(match (self.integrator, self.target_error) {
-            (Integrator::Depth, _) => 1,
-            (_, Some(_)) => 1024,
-            (_, None) => 16,
+    pub fn samples_per_pixel(&self) -> SamplesPerPixel {
+        self.samples.unwrap_or(match (self.integrator, self.target_error, self.denoise) {
+            (Integrator::Depth, ..) => 1.into(),
+            (_, Some(_), Denoise::Off) => 1024.into(),
+            (_, None, _) | (_, Some(_), Denoise::Views) => 16.into(),
         })
     }
 }

@@ -61,7 +61,7 @@ macro_rules! settings {
         settings!(@ $name $doc $owner $get $get_mut
             {$($fields)* $(#[doc = $help])* pub $field: Option<$type>,}
             {$($defaults)* $field: None,}
-            {$($setters)* settings!(@setter $name $owner $field: impl Into<Option<$type>>);}
+            {$($setters)* settings!(@some $name $owner $field: $type);}
             {$($table)* Setting {
                 key: $key,
                 form: $form,
@@ -166,6 +166,14 @@ macro_rules! settings {
         #[must_use]
         pub fn $field(mut self, value: $given) -> Self {
             self.$($group.)?$field = value.into();
+            self
+        }
+    };
+    (@some $name:ident [$owner:ident $($group:ident)?] $field:ident: $type:ty) => {
+        #[doc = concat!("Sets [`", stringify!($name), "::", stringify!($field), "`].")]
+        #[must_use]
+        pub fn $field(mut self, value: impl Into<$type>) -> Self {
+            self.$($group.)?$field = Some(value.into());
             self
         }
     };

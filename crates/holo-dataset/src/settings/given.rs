@@ -20,11 +20,23 @@ pub struct Preset {
 }
 
 /// All presets.
-pub const PRESETS: &[Preset] = &[Preset {
-    name: "reference",
-    help: "Ground truth of light: 1024 independent, unbiased samples per pixel",
-    settings: &[("spp", "1024"), ("denoise", "off"), ("reuse", "off")],
-}];
+pub const PRESETS: &[Preset] = &[
+    Preset {
+        name: "draft",
+        help: "The soonest image: one pixel of 16 has a sample, and all share them",
+        settings: &[("spp", "1/16"), ("denoise", "views")],
+    },
+    Preset {
+        name: "clean",
+        help: "An error of about 2 %: samples where those that the views share leave more",
+        settings: &[("denoise", "views"), ("target-error", "2%")],
+    },
+    Preset {
+        name: "reference",
+        help: "Ground truth of light: 1024 independent, unbiased samples per pixel",
+        settings: &[("spp", "1024"), ("denoise", "off"), ("reuse", "off")],
+    },
+];
 
 /// Other names that messages mention as settings: the arguments of commands.
 const ARGUMENTS: [&str; 19] = [

@@ -5,13 +5,13 @@
 
 use holo_core::{GridSize, Projection, Sensor};
 use holo_io::{ManifestValue, MatOrder};
-use holo_render::{Denoise, GroundTruth, Integrator, Reuse, TextureFilter};
+use holo_render::{Denoise, GroundTruth, Integrator, Reuse, SamplesPerPixel, TextureFilter};
 use holo_scene::gltf::LightUnits;
 
 use super::declare::settings;
 use super::types::{
     Exposure, Focus, Frames, LayerChoice, Output, Pixels, SensorName, Sky, Spacing, Tool, ViewSubset, bit_depth,
-    bounces, lens_shifts, samples,
+    bounces, lens_shifts,
 };
 use super::value::{Kind, Malformed, SettingType, not_negative, positive, share};
 use super::{RenderSettings, Setting};
@@ -84,10 +84,12 @@ settings! {
     pub struct LightSettings of light, light_mut {
         /// Light transport: what light is simulated.
         integrator: Integrator = Integrator::Auto, "integrator" "";
-        /// Samples per pixel [default: 16, with the integrator depth 1].
-        samples: Option<u32>, "spp" "N" by samples;
+        /// Samples per pixel [default: 16, with the integrator depth 1]. With `denoise views` also less than one: 1/2, 1/4 .. 1/64
+        /// of the pixels have one, and all share them.
+        samples: Option<SamplesPerPixel>, "spp" "N|1/N";
         /// Adaptive sampling: stop at this relative standard error of a pixel, such as 0.02 or 2%; `spp` is then the maximum
-        /// [default: 1024].
+        /// [default: 1024]. With `denoise views` it is the error that is left after samples are shared: one pixel of 16 has a
+        /// sample at first, and more have where that leaves more [default maximum: 16].
         target_error: Option<f64>, "target-error" "E" by share;
         /// Maximum number of bounces of a light path.
         max_bounces: u32 = 8, "max-bounces" "N" by bounces;

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use holo_core::sensor::SensorPreset;
 use holo_core::{GridSize, Sensor};
 use holo_io::ManifestValue;
-use holo_render::{Backend, Layer};
+use holo_render::{Backend, Layer, SamplesPerPixel};
 
 use super::value::{Kind, Malformed, SettingType, positive};
 pub use super::view_subset::ViewSubset;
@@ -298,9 +298,24 @@ impl Output {
     }
 }
 
-/// Parses a number of samples.
-pub(super) fn samples(text: &str) -> Result<u32, Malformed> {
-    within(text, 1..=65_536)
+/// Parses a number of samples: a whole one, or one in 2 to 64 pixels as `1/16` or `0.0625`.
+fn samples(text: &str) -> Result<SamplesPerPixel, Malformed> {
+    let bad = || -> Malformed { "give an integer from 1 to 65536, or 1/2, 1/4, 1/8, 1/16, 1/32 or 1/64".into() };
+    if let Ok(whole) = within(text, 1..=65_536) {
+        return Ok(whole.into());
+    }
+    let pixels = match text.split_once('/') {
+        Some((one, pixels)) if one.trim() == "1" => pixels.trim().parse().map_err(|_| bad())?,
+        Some(_) => return Err(bad()),
+        None => {
+            let inverse = text.parse().map(|samples: f64| 1.0 / samples).map_err(|_| bad())?;
+            if !(1.5..=64.0).contains(&inverse) || inverse.fract() != 0.0 {
+                return Err(bad());
+            }
+            inverse as u32
+        }
+    };
+    SamplesPerPixel::one_in(pixels).ok_or_else(bad)
 }
 
 /// Parses a number of bounces.
@@ -381,6 +396,23 @@ impl SettingType for SensorName {
     fn value(&self) -> ManifestValue {
         self.0.into()
     }
+}
+
+impl SettingType for SamplesPerPixel {
+    const KIND: Kind = Kind::Other("int | float | str");
+
+    fn parse(text: &str) -> Result<Self, Malformed> {
+        samples(text)
+    }
+
+    fn value(&self) -> ManifestValue {
+        number_of_samples(*self)
+    }
+}
+
+/// Returns a number of samples per pixel for a manifest: an integer, or a number below 1.
+pub(crate) fn number_of_samples(samples: SamplesPerPixel) -> ManifestValue {
+    if samples.is_fraction() { samples.as_f64().into() } else { samples.of_traced().into() }
 }
 
 impl SettingType for Frames {

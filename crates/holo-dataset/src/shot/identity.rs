@@ -8,7 +8,7 @@ use super::prepare::{Prepared, Stage};
 use super::source::SceneSource;
 use crate::Error;
 use crate::output::Wanted;
-use crate::settings::{Camera, Frames, Poses, RenderSettings, Sky, to_manifest, word};
+use crate::settings::{Camera, Frames, Poses, RenderSettings, Sky, number_of_samples, to_manifest, word};
 
 /// Returns what identifies a job: digests of scene, sky, camera and poses, its settings, and versions.
 pub(super) fn of(source: &SceneSource, settings: &RenderSettings, backend: &str) -> Result<Manifest, Error> {
@@ -100,7 +100,7 @@ pub(super) fn describe(
         }
     }
     set("integrator", word(&rendered.integrator).into());
-    set("spp", transport.samples.into());
+    set("spp", number_of_samples(transport.samples));
     if let Some(target) = transport.target_error {
         set("target-error", target.into());
     }

@@ -447,22 +447,25 @@ fn validate_raw_memory(size: GridSize, settings: &RenderSettings, wanted: &Wante
     )))
 }
 
+/// What is known of a pixel beside its color: how far its samples disagree, its disparity, their number.
+const GUIDES: usize = 3;
+
 /// The memory that a raw image needs of every pixel, bytes.
 fn raw_memory(settings: &RenderSettings, wanted: &Wanted) -> usize {
     /// Weight, hits, mean and spread of the inverse depth.
     const STATISTICS: usize = 4;
     /// The samples of a pixel, and the microlens that owns it.
-    const SOURCE: usize = 7;
+    const SOURCE: usize = 8;
     // The white image is always computed.
     let white = 1;
     let color = if wanted.integrator == holo_render::Integrator::Depth { 0 } else { 3 };
     let is_denoised = settings.light.denoise == holo_render::Denoise::Views;
     let has_guides = color > 0 && (is_denoised || wanted.error);
     let statistics = usize::from(has_guides || wanted.raw.iter().any(|layer| layer.needs_samples())) * STATISTICS;
-    let guides = if has_guides { 2 + SOURCE } else { 0 };
+    let guides = if has_guides { GUIDES + SOURCE } else { 0 };
     // In rounds the values of all packets stay in memory. Some packets have fewer pixels than lanes.
     let is_in_rounds = has_guides && is_denoised && settings.light.target_error.is_some();
-    let rounds = if is_in_rounds { (color + 2 + STATISTICS) * 5 / 4 } else { 0 };
+    let rounds = if is_in_rounds { (color + GUIDES + STATISTICS) * 5 / 4 } else { 0 };
     let error = usize::from(wanted.error || is_in_rounds);
     (white + color + statistics + guides + rounds + error + wanted.central.channels()) * size_of::<f32>()
 }
@@ -473,7 +476,7 @@ fn memory(settings: &RenderSettings, wanted: &Wanted) -> [usize; 2] {
     let color = if wanted.integrator == holo_render::Integrator::Depth { 0 } else { 3 };
     let is_denoised = light.denoise == holo_render::Denoise::Views;
     let error = usize::from(wanted.error || is_denoised && light.target_error.is_some());
-    let guides = if color > 0 && (is_denoised || wanted.error) { 2 + error } else { 0 };
+    let guides = if color > 0 && (is_denoised || wanted.error) { GUIDES + error } else { 0 };
     [color + guides + wanted.all.channels(), wanted.central.channels()].map(|floats| floats * size_of::<f32>())
 }
 

@@ -21,7 +21,7 @@ use crate::watch::{About, CancelOnly, Diagnostics};
 
 /// Returns the settings of light transport for the renderer.
 pub(crate) fn transport(light: &LightSettings, integrator: Integrator) -> Transport {
-    let samples = if integrator == Integrator::Depth { 1 } else { light.samples_per_pixel() };
+    let samples = if integrator == Integrator::Depth { 1.into() } else { light.samples_per_pixel() };
     let mut transport = Transport::default();
     (transport.integrator, transport.samples, transport.seed) = (integrator, samples, light.seed);
     transport.sky = sky::constant(&light.sky);

@@ -54,7 +54,7 @@ impl Progress for Watch {
 fn job() -> RenderJob {
     let mut settings = RenderSettings::default();
     settings.camera = rig(Pixels::Lenses(GridSize::new(36, 45))).into();
-    (settings.light.samples, settings.light.integrator) = (Some(1), Integrator::Direct);
+    (settings.light.samples, settings.light.integrator) = (Some(1.into()), Integrator::Direct);
     settings.output.ground_truth = GroundTruth::All;
     settings.output.write = vec![Output::El, Output::Mat, Output::Exr, Output::Depth];
     with_settings(settings)
@@ -175,7 +175,7 @@ fn pinhole_cameras_continue_to_the_same_bytes() {
     let mut settings = RenderSettings::default();
     settings.camera = Camera::Pinhole;
     settings.poses = Poses::Array { cameras: CameraArray { cameras: (0..3).map(camera).collect() }, up: WorldUp::Y };
-    (settings.light.samples, settings.light.integrator) = (Some(1), Integrator::Direct);
+    (settings.light.samples, settings.light.integrator) = (Some(1.into()), Integrator::Direct);
     let job = with_settings(settings);
     let folder = tempfile::tempdir().unwrap();
     let (whole, out) = (folder.path().join("whole"), folder.path().join("out"));
@@ -292,7 +292,7 @@ fn a_checkpoint_of_another_render_is_not_used() {
     other_scene.source = gallery("chess");
     for (number, (other, part)) in [
         (with(|settings| settings.light.seed = 1), "`seed=1`"),
-        (with(|settings| settings.light.samples = Some(3)), "`spp` has changed"),
+        (with(|settings| settings.light.samples = Some(3.into())), "`spp` has changed"),
         (
             with(|settings| settings.camera.rig_mut().unwrap().spacing = Spacing::BaselineM(1e-4)),
             "`baseline-m` has changed",

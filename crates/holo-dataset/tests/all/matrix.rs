@@ -114,7 +114,7 @@ fn settings(kind: Kind, many_poses: bool, many_frames: bool) -> RenderSettings {
     if many_frames {
         settings.scene.frames = Some(Frames { first: 3, last: 4 });
     }
-    settings.light.samples = Some(4);
+    settings.light.samples = Some(4.into());
     settings.light.integrator = Integrator::Direct;
     settings
 }
@@ -179,7 +179,7 @@ fn noise_that_tells_a_disparity_is_stated() {
         ),
     ] {
         let mut settings = settings(kind, false, false);
-        settings.light.samples = Some(2);
+        settings.light.samples = Some(2.into());
         change(&mut settings);
         job(settings).run(folder.path().join(out), &RunOptions::new()).expect("a run");
         let manifest = Manifest::read(folder.path().join(out).join(dataset::MANIFEST_JSON)).expect("a manifest");

@@ -30,8 +30,8 @@ class Settings(TypedDict, total=False):
     projection: Projection of the views. Default: perspective.
     subset: Only some of the views: the row and column of the central one (cross), with both diagonals (star), or a list of COLUMN,ROW. Writes them as hci/input_CamNNN.png, with their numbers in the whole grid, and without path reuse.
     integrator: Light transport: what light is simulated. Default: auto.
-    spp: Samples per pixel [default: 16, with the integrator depth 1].
-    target_error: Adaptive sampling: stop at this relative standard error of a pixel, such as 0.02 or 2%; `spp` is then the maximum [default: 1024].
+    spp: Samples per pixel [default: 16, with the integrator depth 1]. With `denoise views` also less than one: 1/2, 1/4 .. 1/64 of the pixels have one, and all share them.
+    target_error: Adaptive sampling: stop at this relative standard error of a pixel, such as 0.02 or 2%; `spp` is then the maximum [default: 1024]. With `denoise views` it is the error that is left after samples are shared: one pixel of 16 has a sample at first, and more have where that leaves more [default maximum: 16].
     max_bounces: Maximum number of bounces of a light path. Default: 8.
     no_roulette: Disable Russian roulette: follow every path to its last bounce.
     no_indirect: Without light that diffuse surfaces reflect to each other (with `integrator auto`); mirrors and glass still reflect.
@@ -75,7 +75,7 @@ class Settings(TypedDict, total=False):
     projection: Literal["perspective", "orthographic"] | None
     subset: str | None
     integrator: Literal["auto", "depth", "direct", "path"] | None
-    spp: int | None
+    spp: int | float | str | None
     target_error: float | None
     max_bounces: int | None
     no_roulette: bool | None

@@ -10,7 +10,7 @@ use holo_core::{Disparity, Projection, Rig};
 
 use super::tile::{Selection, Tiling};
 use crate::accel::{ExactRays, RayDifferentials, RayHits};
-use crate::sampling::PixelIds;
+use crate::sampling::{PixelIds, rank};
 use crate::simd::{LANES, Lanes};
 
 /// The lanes of a packet along one axis of the light field: their indices and the tabulated values of the rig.
@@ -47,6 +47,8 @@ pub(crate) struct RigRays {
     disparity: Disparity,
     /// Lens columns of the whole light field, which determine the ids of lenses.
     lens_columns: u32,
+    /// The pixels of a packet along (v, u, t, s).
+    packet: [u32; 4],
     slope_step: f64,
     /// The same for the part that a pixel averages over.
     filter_step: f64,
@@ -81,6 +83,7 @@ impl RigRays {
             is_list: selection.is_list(),
             disparity: rig.disparity(),
             lens_columns: split.lenses().columns as u32,
+            packet: tiling.packet_size().map(|size| size as u32),
             slope_step,
             filter_step: slope_step,
             slope_to_origin: if orthographic { rig.focus_distance_m() } else { 0.0 },
@@ -115,6 +118,17 @@ impl RigRays {
             lens[lane] = v.index[lane] * self.lens_columns + u.index[lane];
         }
         PixelIds { lens, view: [t.index, s.index] }
+    }
+
+    /// The rank of the packet whose first pixel is behind microlens `lens` in this row and column of views.
+    #[inline(always)]
+    pub fn rank(&self, seed: u64, lens: u32, [t, s]: [u32; 2]) -> u32 {
+        let [along_v, along_u, along_t, along_s] = self.packet;
+        if along_v * along_u == 1 {
+            return rank(seed, lens, [t / along_t, s / along_s]);
+        }
+        let [v, u] = [lens / self.lens_columns / along_v, lens % self.lens_columns / along_u];
+        rank(seed, t << 16 | s, [v, u])
     }
 
     #[inline(always)]

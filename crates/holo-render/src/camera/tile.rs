@@ -203,6 +203,11 @@ impl Tiling {
         self.size[0]
     }
 
+    /// The pixels of a packet along (v, u, t, s).
+    pub fn packet_size(&self) -> [usize; 4] {
+        self.shape.size
+    }
+
     /// Packets begin at multiples of this many lens rows.
     pub fn packet_rows(&self) -> usize {
         self.shape.size[0]

@@ -5,6 +5,9 @@ use std::collections::BTreeMap;
 /// Bits of the mantissa of an error that count: 32 classes for each factor of two.
 const MANTISSA_BITS: u32 = 5;
 
+/// The number of classes: that of infinity is the last.
+const CLASSES: usize = (f32::INFINITY.to_bits() >> (f32::MANTISSA_DIGITS - 1 - MANTISSA_BITS)) as usize + 1;
+
 /// The distribution of the estimated relative standard error of pixels: how many pixels are in each of 32 classes for
 /// each factor of two.
 ///
@@ -32,9 +35,13 @@ impl ErrorDistribution {
 
     /// Adds pixels with these estimated errors.
     pub fn extend(&mut self, errors: &[f32]) {
-        // Neighboring pixels have similar errors.
-        for run in errors.chunk_by(|a, b| class(*a) == class(*b)) {
-            *self.0.entry(class(run[0])).or_default() += run.len() as u64;
+        if errors.len() < CLASSES {
+            return errors.iter().for_each(|&error| self.add(error));
+        }
+        let mut counts = vec![0u32; CLASSES];
+        errors.iter().for_each(|&error| counts[usize::from(class(error))] += 1);
+        for (class, count) in (0..).zip(counts).filter(|(_, count)| *count > 0) {
+            *self.0.entry(class).or_default() += u64::from(count);
         }
     }
 

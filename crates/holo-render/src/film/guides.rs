@@ -10,8 +10,12 @@ use holo_core::Disparity;
 
 use crate::simd::LANES;
 
-/// Channels of the guides of a pixel: the half difference, then the mean disparity of the first hits, px.
-pub(crate) const CHANNELS: usize = 2;
+/// Channels of the guides of a pixel: the half difference, the mean disparity of the first hits, px, and the number of
+/// samples.
+pub(crate) const CHANNELS: usize = 3;
+
+/// The channel of the number of samples: 0 for a pixel that was only seen, whose disparity is that of one ray.
+pub(crate) const SAMPLES: usize = 2;
 
 /// What tells how far things move from view to view.
 #[derive(Clone, Copy)]
@@ -80,13 +84,13 @@ impl Guides {
     pub fn packet(&self, packet: usize, color: &[[f32; LANES]; 3], samples: u32) -> [[f32; LANES]; CHANNELS] {
         let second_count = self.second_count(samples);
         let [a, b] = [samples - second_count, second_count].map(|count| count as f32);
-        let mut out = [[0.0; LANES]; CHANNELS];
+        let mut out = [[0.0; LANES], [0.0; LANES], [samples as f32; LANES]];
         for lane in 0..LANES {
             let all = luminance([color[0][lane], color[1][lane], color[2][lane]]);
             let second = self.second[packet][lane];
             let difference = ((all - second) / a - second / b) * ((a * b).sqrt() / (a + b));
             out[0][lane] = if second_count > 0 { difference } else { 0.0 };
-            out[1][lane] = self.disparity[packet][lane] / samples as f32;
+            out[1][lane] = self.disparity[packet][lane] / samples.max(1) as f32;
         }
         out
     }
@@ -95,6 +99,29 @@ impl Guides {
     fn second_count(&self, samples: u32) -> u32 {
         let period = 2 * self.bit;
         samples / period * self.bit + (samples % period).saturating_sub(self.bit)
+    }
+}
+
+/// Adds the sums of color of a later round and its guides to the means of a packet, over `counts` samples before and in the
+/// round. The halves of the half difference are then the samples before and those of the round.
+#[inline(always)]
+pub(crate) fn merge(
+    (color, all): (&mut [[f32; LANES]; 3], &mut [[f32; LANES]; CHANNELS]),
+    (sums, added): (&[[f32; LANES]; 3], &[[f32; LANES]; CHANNELS]),
+    [before, count]: [f32; 2],
+) {
+    let total = before + count;
+    let scale = (before * count).sqrt() / total;
+    for lane in 0..LANES {
+        let old = [color[0][lane], color[1][lane], color[2][lane]];
+        let new = [sums[0][lane], sums[1][lane], sums[2][lane]].map(|sum| sum / count);
+        let difference = (luminance(old) - luminance(new)) * scale;
+        all[0][lane] = if before > 0.0 { difference } else { added[0][lane] };
+        all[1][lane] = (all[1][lane] * before + added[1][lane] * count) / total;
+        all[SAMPLES][lane] = total;
+        for c in 0..3 {
+            color[c][lane] = (old[c] * before + sums[c][lane]) / total;
+        }
     }
 }
 
@@ -140,7 +167,7 @@ mod tests {
                         }
                     }
                 }
-                let [difference, _] = guides.packet(0, &color, samples);
+                let [difference, ..] = guides.packet(0, &color, samples);
                 squares += difference.iter().map(|&d| f64::from(d).powi(2)).sum::<f64>();
                 pixels += LANES as f64;
             }

@@ -40,7 +40,7 @@ use crate::film::guides::{self, Guides, Movement};
 use crate::film::inverse_depth::{self, InverseDepths};
 use crate::material::media::MediaStack;
 use crate::material::{HitPoints, SurfaceInteraction};
-use crate::sampling::{self, Runs};
+use crate::sampling::{self, RANKS, Runs, SamplesPerPixel};
 use crate::simd::Kernel;
 use crate::simd::{LANES, at, count};
 use holo_scene::MAX_RADIANCE;
@@ -63,9 +63,13 @@ const SAMPLES_PER_PASS: u32 = 4;
 /// are more coherent after sorting, until they do not fit into the cache.
 const SORTED_RAYS: [usize; 2] = [8192, 32_768];
 
+/// With less than one sample per pixel a tile is at most this many times as large, because all of its pixels are in memory.
+const MOST_SPREAD: u32 = 8;
+
 /// The size of a tile, in pixels, for this many samples per pixel and bounces.
-pub(crate) fn tile_pixels(samples: u32, bounces: u32) -> usize {
-    SORTED_RAYS[usize::from(bounces > 1)] / samples.clamp(1, SAMPLES_PER_PASS) as usize
+pub(crate) fn tile_pixels(samples: SamplesPerPixel, bounces: u32) -> usize {
+    let spread = samples.pixels().min(MOST_SPREAD) as usize;
+    SORTED_RAYS[usize::from(bounces > 1)] * spread / samples.of_traced().clamp(1, SAMPLES_PER_PASS) as usize
 }
 
 /// The integrator over one tile.
@@ -78,15 +82,30 @@ pub(crate) struct PathTile<'a, 'b> {
     /// The statistics of the inverse depth, if the context wants them.
     pub inverse_depths: Option<ArrayViewMut5<'b, f32>>,
     pub round: &'a Round,
+    /// The packets of the tile that may take part; all if empty.
+    pub wanted: &'a [bool],
     pub scratch: &'a mut Scratch,
 }
 
 /// A round of samples.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Round {
     /// The numbers of its samples.
     pub samples: Range<u32>,
-    /// The packets of the tile that take part; all if empty.
-    pub wanted: Vec<bool>,
+    /// The [ranks](sampling::rank) of the packets that take part.
+    pub ranks: Range<u32>,
+}
+
+impl Round {
+    /// All samples of some packets, in one round.
+    pub fn whole(samples: SamplesPerPixel) -> Self {
+        Self { samples: 0..samples.of_traced(), ranks: 0..samples.ranks() }
+    }
+
+    /// Whether no round was before it.
+    pub fn is_first(&self) -> bool {
+        self.samples.start == 0 && self.ranks.start == 0
+    }
 }
 
 /// The state of the paths of a tile. Reused from tile to tile.
@@ -112,7 +131,7 @@ impl Kernel for PathTile<'_, '_> {
     #[inline(always)]
     fn run(mut self) -> RayCounts {
         let context = self.context;
-        self.scratch.begin(context, self.tile, self.round);
+        self.scratch.begin(context, self.tile, self.round, self.wanted);
         let mut tile_paths = TilePaths { context, counts: RayCounts::default(), scratch: self.scratch };
         let round = self.round.samples.clone();
         for first in round.clone().step_by(SAMPLES_PER_PASS as usize) {
@@ -120,14 +139,15 @@ impl Kernel for PathTile<'_, '_> {
             if context.stop.requested() {
                 return tile_paths.counts;
             }
+            let sees_all = first == 0 && self.round.is_first() && context.guides.is_some();
             for vertex in 0..=context.policy.max_bounces {
-                tile_paths.trace(self.tile, Stage { vertex, gathers: false }, [first, end]);
+                tile_paths.trace(self.tile, Stage { vertex, gathers: false, sees_all }, [first, end]);
                 if tile_paths.scratch.next.is_empty() {
                     break;
                 }
             }
             if context.policy.reuse {
-                tile_paths.trace(self.tile, Stage { vertex: 0, gathers: true }, [first, end]);
+                tile_paths.trace(self.tile, Stage { vertex: 0, gathers: true, sees_all: false }, [first, end]);
             }
             tile_paths.scratch.samples.add(end - first, &tile_paths.scratch.color);
             if !tile_paths.scratch.samples.any_wanted() {
@@ -135,14 +155,14 @@ impl Kernel for PathTile<'_, '_> {
             }
         }
         let scratch = tile_paths.scratch;
-        if round.start > 0 {
+        if !self.round.is_first() {
             let counts = tile_paths.counts;
             self.merge();
             return counts;
         }
         if let Some(out) = &mut self.guides {
             let color = scratch.color.iter().enumerate();
-            let packet = |(k, color)| scratch.guides.packet(k, color, scratch.samples.count(k).max(1));
+            let packet = |(k, color)| scratch.guides.packet(k, color, scratch.samples.count(k));
             self.tile.write(&color.map(packet).collect::<Vec<_>>(), 1.0, out);
         }
         if let Some(out) = &mut self.inverse_depths {
@@ -165,40 +185,30 @@ impl PathTile<'_, '_> {
     /// Adds the samples of a later round to the means over those before it.
     #[inline(always)]
     fn merge(&mut self) {
-        let Range { start, end } = self.round.samples;
-        let mean = |before: f32, sum: f32| (before * start as f32 + sum) / end as f32;
         let scratch = &mut *self.scratch;
         let mut color = self.tile.read::<3>(&self.color);
-        let wanted = (0..color.len()).filter(|&k| scratch.samples.count(k) > 0);
-        if let Some(out) = &mut self.guides {
-            let mut all = self.tile.read::<{ guides::CHANNELS }>(out);
-            for k in wanted.clone() {
-                let added = scratch.guides.packet(k, &scratch.color[k], end - start);
-                // The half difference of all samples, and their mean disparity: means over the rounds like color.
-                for (all, added) in all[k].iter_mut().zip(&added) {
-                    for lane in 0..LANES {
-                        all[lane] = mean(all[lane], added[lane] * (end - start) as f32);
-                    }
-                }
+        let Some(guides) = &mut self.guides else { return };
+        let mut all = self.tile.read::<{ guides::CHANNELS }>(guides);
+        let mut statistics = self.inverse_depths.as_mut().map(|out| {
+            let packets = self.tile.read::<{ inverse_depth::CHANNELS }>(out);
+            (out, packets)
+        });
+        for k in (0..color.len()).filter(|&k| scratch.samples.count(k) > 0) {
+            let added = scratch.samples.count(k);
+            // Lanes without a pixel have no samples.
+            let before = all[k][guides::SAMPLES].iter().fold(0.0f32, |high, &count| high.max(count));
+            let one = scratch.guides.packet(k, &scratch.color[k], added);
+            if let Some((_, packets)) = &mut statistics {
+                let part = before / (before + added as f32);
+                let [old, new] = [(packets[k], part), (scratch.inverse_depths.packet(k), (1.0 - part) / added as f32)]
+                    .map(|(values, factor)| inverse_depth::scaled(values, factor));
+                packets[k] = if before > 0.0 { inverse_depth::merged_packets(&old, &new) } else { new };
             }
-            self.tile.write(&all, 1.0, out);
+            guides::merge((&mut color[k], &mut all[k]), (&scratch.color[k], &one), [before, added as f32]);
         }
-        if let Some(out) = &mut self.inverse_depths {
-            let mut all = self.tile.read::<{ inverse_depth::CHANNELS }>(out);
-            for k in wanted.clone() {
-                // Means over the samples before, and sums of those of this round.
-                let before = inverse_depth::scaled(all[k], start as f32 / end as f32);
-                let added = inverse_depth::scaled(scratch.inverse_depths.packet(k), 1.0 / end as f32);
-                all[k] = inverse_depth::merged_packets(&before, &added);
-            }
-            self.tile.write(&all, 1.0, out);
-        }
-        for k in wanted {
-            for c in 0..3 {
-                for lane in 0..LANES {
-                    color[k][c][lane] = mean(color[k][c][lane], scratch.color[k][c][lane]);
-                }
-            }
+        self.tile.write(&all, 1.0, guides);
+        if let Some((out, packets)) = statistics {
+            self.tile.write(&packets, 1.0, out);
         }
         self.tile.write(&color, 1.0, &mut self.color);
     }
@@ -207,7 +217,7 @@ impl PathTile<'_, '_> {
 impl Scratch {
     /// Resets the state for another tile.
     #[inline(always)]
-    fn begin(&mut self, context: &Context, tile: &Tile, round: &Round) {
+    fn begin(&mut self, context: &Context, tile: &Tile, round: &Round, wanted: &[bool]) {
         self.color.clear();
         self.color.resize(tile.packet_count(), [[0.0; LANES]; 3]);
         self.runs.clear();
@@ -220,7 +230,8 @@ impl Scratch {
         }
         self.next.clear();
         for (k, pixels) in context.camera.packets(tile).enumerate() {
-            self.samples.push(&pixels.valid, round.wanted.is_empty() || round.wanted[k]);
+            let has_rank = round.ranks == (0..RANKS) || round.ranks.contains(&pixels.rank(context.sampler.seed));
+            self.samples.push(&pixels.valid, has_rank && (wanted.is_empty() || wanted[k]));
             self.runs.push(context.sampler.runs(&pixels.ids));
         }
     }
@@ -239,6 +250,8 @@ struct TilePaths<'a> {
 struct Stage {
     vertex: u32,
     gathers: bool,
+    /// Whether packets that do not take part are traced to their first hits, for the guides.
+    sees_all: bool,
 }
 
 /// Sixteen traced rays.
@@ -275,12 +288,18 @@ impl TilePaths<'_> {
                     pixel_packets = context.camera.packets(tile);
                 }
                 let Some(pixels) = pixel_packets.next() else { return };
+                let sample = first + (k / per_sample) as u32;
                 let is_left_out = stage.gathers && !self.scratch.shared.is_active(k);
-                if is_left_out || !self.scratch.samples.wanted(index) {
+                let takes_part = self.scratch.samples.wanted(index);
+                if is_left_out || !(takes_part || stage.sees_all && sample == 0) {
                     continue;
                 }
-                let sample = first + (k / per_sample) as u32;
-                self.camera_rays(&pixels, index, sample, stage.gathers, &mut packet)
+                let traced = self.camera_rays(&pixels, index, sample, stage.gathers, &mut packet);
+                if !takes_part {
+                    continue;
+                }
+                self.counts.primary += if stage.gathers { 0 } else { count(&traced.paths.valid) };
+                traced
             } else {
                 self.scattered_rays(k, &mut packet)
             };
@@ -367,7 +386,6 @@ impl TilePaths<'_> {
             packet.rays.id = numbers.map(|number| number | CAMERA_RAY);
         }
         context.scene.engine.intersect(&valid, packet, Coherence::Coherent);
-        self.counts.primary += if again { 0 } else { count(&valid) };
         let refined = refine::refine(context.scene.geometry, packet, &exact);
         if let Some(Movement::Disparity(map)) = &context.guides
             && !again

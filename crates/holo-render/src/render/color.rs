@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::film::error_distribution::ErrorDistribution;
 use crate::film::guides;
 use crate::film::reconstruct::{HALO, Reconstruction};
-use crate::integrator::path::{PathTile, Round, Scratch};
+use crate::integrator::path::{PathTile, Scratch};
 use crate::integrator::{Context, RayCounts};
 use crate::simd::{self, LANES};
 
@@ -95,7 +95,7 @@ impl ColorFields {
         let rounds = rounds::rounds(request);
         let target = rounds::target(request).unwrap_or(0.0);
         let mut rays = RayCounts::default();
-        for (k, samples) in rounds.iter().enumerate() {
+        for (k, round) in rounds.iter().enumerate() {
             let mut error = match k {
                 0 => None,
                 _ => Some(self.estimate(request, work)?),
@@ -106,16 +106,17 @@ impl ColorFields {
                 break;
             }
             let trace = |tile: &Tile, out: &mut ColorTile, scratch: &mut Scratch| {
-                let mut round = Round { samples: samples.clone(), wanted: Vec::new() };
+                let mut wanted = Vec::new();
                 if let Some(error) = &out.error {
                     let exceeds = |packet: &[[f32; LANES]; 1]| packet[0].iter().any(|&error| error > target);
-                    round.wanted = tile.read(error).iter().map(exceeds).collect();
-                    if !round.wanted.contains(&true) {
+                    wanted = tile.read(error).iter().map(exceeds).collect();
+                    if !wanted.contains(&true) {
                         return RayCounts::default();
                     }
                 }
                 let (color, guides) = (out.color.view_mut(), out.guides.as_mut().map(|guides| guides.view_mut()));
-                simd::run(PathTile { context, tile, color, guides, inverse_depths: None, round: &round, scratch })
+                let (inverse_depths, wanted) = (None, wanted.as_slice());
+                simd::run(PathTile { context, tile, color, guides, inverse_depths, round, wanted, scratch })
             };
             let first = k * tiling.tiles().len();
             rays = rays + work.run(TileKind::Color, first, tiling, self.tiles(tiling, error.as_mut()), trace)?;
@@ -148,7 +149,6 @@ impl ColorFields {
             color: memory(&mut self.color)?,
             guides: memory(guides)?,
             movement: [ratio.vertical() as f32, ratio.horizontal() as f32],
-            samples: request.transport.samples,
             filters: request.denoise == Denoise::Views,
             replaces,
             rows,

@@ -204,10 +204,10 @@ impl Renderer {
         let filters = transport.texture_filter == TextureFilter::Footprint && request.denoise == Denoise::Off;
         let sampler = Sampler {
             seed: transport.seed,
-            samples: transport.samples,
+            samples: transport.samples.of_traced(),
             sampling: transport.sampling,
-            centered: transport.samples == 1,
-            cells: filters.then(|| sampling::cells(transport.samples)),
+            centered: transport.samples == 1.into(),
+            cells: filters.then(|| sampling::cells(transport.samples.of_traced())),
         };
         Context {
             scene: self.scene_data(transport, integrator),

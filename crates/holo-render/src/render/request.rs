@@ -76,7 +76,7 @@ impl Camera {
 ///
 /// let rig = Rig::builder(LightFieldShape::new(GridSize::new(3, 3), GridSize::new(40, 60))?).build()?;
 /// let request = Request::new(rig).integrator(Integrator::Path).samples(16).sky([0.2, 0.3, 0.4]);
-/// assert_eq!(request.transport.samples, 16);
+/// assert_eq!(request.transport.samples, 16.into());
 /// # Ok::<(), holo_core::Error>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -286,9 +286,22 @@ impl Request {
         Ok(())
     }
 
+    /// Validates that less than one sample per pixel is shared between pixels.
+    fn check_fraction(&self) -> Result<(), Error> {
+        let samples = self.transport.samples;
+        if samples.is_fraction() && self.denoise != Denoise::Views {
+            return Err(Error::BadSetting(format!(
+                "{samples} samples per pixel leave pixels without any; give 1 or more, or share those of neighboring views \
+                 (`denoise views`)"
+            )));
+        }
+        Ok(())
+    }
+
     /// Validates the request for a scene with this many instances and materials.
     pub(super) fn check(&self, counts: [usize; 2]) -> Result<(), Error> {
         self.transport.check()?;
+        self.check_fraction()?;
         check_ids(self.layers, counts)?;
         let (rows, count) = (self.row_range(), self.camera.row_count());
         if rows.is_empty() || rows.end > count {

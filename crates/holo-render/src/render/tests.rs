@@ -80,7 +80,7 @@ fn every_instruction_set_gives_the_same_image() {
     let mut outputs = images.iter_mut();
     let mut memory: [Scratch; 3] = Default::default();
     let mut scratches = memory.iter_mut();
-    let round = Round { samples: 0..context.sampler.samples, wanted: Vec::new() };
+    let round = Round::whole(context.sampler.samples.into());
     let counts = simd::run_on_all(|| {
         let color = outputs.next().expect("three sets at most").view_mut();
         PathTile {
@@ -90,6 +90,7 @@ fn every_instruction_set_gives_the_same_image() {
             guides: None,
             inverse_depths: None,
             round: &round,
+            wanted: &[],
             scratch: scratches.next().expect("three sets at most"),
         }
     });
@@ -134,7 +135,7 @@ fn the_size_of_tiles_changes_nothing() {
         let tiling = &region.tiling;
         let (mut color, mut aov) = (zeros(split, 3).expect("room"), light_fields(split, LayerSet::ALL).expect("room"));
         let (mut scratch, mut buffer) = (Scratch::default(), TileAovs::default());
-        let round = Round { samples: 0..context.sampler.samples, wanted: Vec::new() };
+        let round = Round::whole(context.sampler.samples.into());
         for (tile, color) in tiling.tiles().iter().zip(tiling.cut(color.samples_mut())) {
             simd::run(PathTile {
                 context: &context,
@@ -143,6 +144,7 @@ fn the_size_of_tiles_changes_nothing() {
                 guides: None,
                 inverse_depths: None,
                 round: &round,
+                wanted: &[],
                 scratch: &mut scratch,
             });
         }

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::integrator::{Integrator, direct};
-use crate::sampling::{MAX_SAMPLES, Sampling};
+use crate::sampling::{MAX_SAMPLES, SamplesPerPixel, Sampling};
 use holo_scene::MAX_RADIANCE;
 
 /// The maximum of `max_bounces`: far more than any scene needs, and few enough for the dimensions of the random
@@ -16,8 +16,8 @@ pub struct Transport {
     /// The integrator.
     pub integrator: Integrator,
     /// Samples per pixel, 1 to 65,536. A single sample goes through the center of the pixel; more are distributed over
-    /// the pixel (box filter).
-    pub samples: u32,
+    /// the pixel (box filter). With [`Denoise::Views`](crate::Denoise::Views) also less than one: of 2 to 64 pixels one is traced.
+    pub samples: SamplesPerPixel,
     /// The random seed. The same seed gives the same image.
     pub seed: u64,
     /// Radiance of the constant environment, linear RGB, 0 to [`MAX_RADIANCE`].
@@ -27,9 +27,9 @@ pub struct Transport {
     /// Whether paths with low throughput may be terminated by Russian roulette (unbiased).
     pub roulette: bool,
     /// The target of the relative standard error of each pixel for adaptive sampling; `samples` is then the maximum per
-    /// pixel. `None`: all pixels get `samples`. With [`Denoise::Views`](crate::Denoise::Views) it is the error after the reconstruction, estimated
-    /// in rounds after 4, 8, 16, ... samples; shards then render 7 more lens rows on either side for every round, or 13 micro-images
-    /// of a plenoptic camera.
+    /// pixel. `None`: all pixels get `samples`. With [`Denoise::Views`](crate::Denoise::Views) it is the error after the
+    /// reconstruction, estimated in rounds after 1/16, 1/8, .. 1, 2, 4, ... samples; shards then render 15 more lens rows
+    /// on either side for every round, or 13 micro-images of a plenoptic camera.
     pub target_error: Option<f64>,
     /// Whether `Auto` includes indirect illumination between diffuse surfaces. Otherwise paths continue only from metal
     /// and glass.
@@ -62,7 +62,7 @@ impl Default for Transport {
     fn default() -> Self {
         Self {
             integrator: Integrator::Auto,
-            samples: 1,
+            samples: 1.into(),
             seed: 0,
             sky: [0.0; 3],
             max_bounces: 8,
@@ -85,7 +85,6 @@ macro_rules! transport_setters {
     () => {
         transport_setters! {
             integrator: Integrator,
-            samples: u32,
             seed: u64,
             sky: [f32; 3],
             max_bounces: u32,
@@ -101,14 +100,23 @@ macro_rules! transport_setters {
             texture_filter: TextureFilter,
         }
     };
-    ($($name:ident: $type:ty),* $(,)?) => {$(
+    ($($name:ident: $type:ty),* $(,)?) => {
+        #[doc = "Sets [`Transport::samples`]."]
+        #[must_use]
+        pub fn samples(mut self, samples: impl Into<$crate::SamplesPerPixel>) -> Self {
+            self.transport.samples = samples.into();
+            self
+        }
+
+        $(
         #[doc = concat!("Sets [`Transport::", stringify!($name), "`].")]
         #[must_use]
         pub fn $name(mut self, $name: $type) -> Self {
             self.transport.$name = $name;
             self
         }
-    )*};
+        )*
+    };
 }
 
 pub(super) use transport_setters;
@@ -146,7 +154,7 @@ pub enum Reuse {
 impl Transport {
     /// Validates the settings.
     pub(super) fn check(&self) -> Result<(), Error> {
-        if !(1..=MAX_SAMPLES).contains(&self.samples) {
+        if !self.samples.is_valid() {
             return Err(Error::BadSetting(format!("{} samples per pixel; give 1 to {MAX_SAMPLES}", self.samples)));
         }
         if self.target_error.is_some_and(|target| !(target > 0.0 && target.is_finite())) {

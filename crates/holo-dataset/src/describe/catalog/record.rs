@@ -132,9 +132,10 @@ static FIELDS: [Field; 34] = [
     of_rigs("clipped", FLOAT, "Part of the pixels with the largest integer in a channel", |r| {
         number(r.statistics.color.map(|color| color.clipped))
     }),
-    field("samples", INTEGER, "Samples a pixel; with a target for the error the largest number", |r| {
+    field("samples", FLOAT, "Samples a pixel; with a target for the error the largest number", |r| {
         let samples = r.setting("spp").and_then(ManifestValue::as_f64);
-        samples.map_or(Value::Null, |samples| (samples as u64).into())
+        let whole = samples.filter(|samples| samples.fract() == 0.0);
+        whole.map_or_else(|| number(samples), |samples| (samples as u64).into())
     }),
     field("reconstructed", BOOLEAN, "Whether noise was reduced across views: a small bias", |r| {
         r.setting("denoise").and_then(ManifestValue::as_text).is_some_and(|how| how != "off").into()

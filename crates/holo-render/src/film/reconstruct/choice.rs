@@ -1,42 +1,53 @@
-//! The choice of the window: the largest one whose mean does not differ from those of smaller ones by more than noise
-//! explains.
+//! The choice of the estimate: the one with most samples whose value does not differ from those of smaller ones by more
+//! than noise explains.
 //!
-//! The squared error of a mean over a window is its variance plus the square of its bias. The half differences, averaged
-//! over the same window, give the variance. The bias against a smaller window j shows in the difference of the two
-//! means, whose expected square is bias^2 + variance_j - variance. Both are averaged over the pixels of a block of
-//! views and 5 x 5 microlenses, relative to their luminance. A difference below two standard errors of that average
-//! counts as noise. (The comparison of nested windows is that of Lepski, 1991, and of Goldenshluger and Nemirovski,
-//! 1997, known in image processing as the intersection of confidence intervals.)
+//! The squared error of an estimate is its variance plus the square of its bias. The variance follows from that of the
+//! samples. The bias against a smaller estimate j shows in the difference of the two, whose expected square is
+//! bias^2 + variance_j - variance. Both are averaged over the microlenses around, relative to their luminance. A
+//! difference below two and a half standard errors of that average counts as noise. (The comparison of nested windows is that of
+//! Lepski, 1991, and of Goldenshluger and Nemirovski, 1997, known in image processing as the intersection of confidence
+//! intervals.)
 
-use super::windows::LEVELS;
+use super::fit;
+use super::nodes::WINDOW_COUNT;
+
+/// The largest number of levels: the pixel itself, windows, the trend over the views, fits.
+pub(super) const LEVELS: usize = levels(WINDOW_COUNT);
+
+/// The number of levels with this many windows.
+pub(super) const fn levels(windows: usize) -> usize {
+    2 + windows + fit::RADII.len()
+}
 
 /// Microlenses on each side over which evidence is averaged.
 pub(super) const LENSES: usize = 2;
 
 /// Standard errors above which a difference counts as bias.
-const STANDARD_ERRORS: f64 = 2.0;
+const STANDARD_ERRORS: f32 = 2.5;
 
-/// The share of the mean squared luminance that is added to that of a block: errors are relative where there is light.
-const FLOOR: f64 = 0.01;
+/// The share of the squared luminance around that is added to that of a place: errors are relative where there is light.
+const FLOOR: f32 = 0.01;
 
 /// The pairs of levels, the smaller first.
 const PAIRS: usize = LEVELS * (LEVELS - 1) / 2;
 
-/// Sums over the sampled pixels of a block of views of one microlens; in f64, because squares of radiance may exceed f32.
-#[derive(Clone, Copy, Debug, Default)]
+/// The luminance of an estimate and its variance.
+pub(super) type Estimate = [f32; 2];
+
+/// What the estimates of one place, or of several ones together, tell.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Evidence {
-    /// Of the squares of the mean half differences, by level.
-    variance: [f64; LEVELS],
-    /// Of the squares of the differences between the means of two levels.
-    difference: [f64; PAIRS],
-    /// Of the squares of the luminance.
-    luminance: f64,
-    pixels: f64,
-    /// The number of levels of the microlens.
-    levels: usize,
+    /// Sums of variances, by level, relative to the luminance.
+    variance: [f32; LEVELS],
+    /// Sums of squared differences between two levels, and what noise alone would give.
+    difference: [f32; PAIRS],
+    noise: [f32; PAIRS],
+    /// The weights of the places that have this level, and both levels.
+    weights: [f32; LEVELS],
+    pair_weights: [f32; PAIRS],
 }
 
-/// The window of a block of views, and its error.
+/// The level of a place, and its error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Choice {
     /// A level; fractions stand for mixtures of two.
@@ -45,70 +56,93 @@ pub(super) struct Choice {
     pub error: f32,
 }
 
-fn pair(smaller: usize, larger: usize) -> usize {
+const fn pair(smaller: usize, larger: usize) -> usize {
     larger * (larger - 1) / 2 + smaller
 }
 
 impl Evidence {
-    pub fn new(levels: usize) -> Self {
-        Self { levels, ..Self::default() }
-    }
+    /// Nothing.
+    pub const NONE: Self = Self {
+        variance: [0.0; LEVELS],
+        difference: [0.0; PAIRS],
+        noise: [0.0; PAIRS],
+        weights: [0.0; LEVELS],
+        pair_weights: [0.0; PAIRS],
+    };
 
-    /// Adds a pixel: luminances and half differences of the means by level.
-    pub fn add(&mut self, luminance: &[f32; LEVELS], difference: &[f32; LEVELS]) {
-        for larger in 0..self.levels {
-            self.variance[larger] += f64::from(difference[larger]).powi(2);
+    /// Adds a place, whose levels without an estimate are `None`; `around` is the luminance of what is around it. The
+    /// smallest level of a place that `compares` is only there to be compared with.
+    #[inline(always)]
+    pub fn add(&mut self, estimates: &[Option<Estimate>; LEVELS], levels: usize, around: f32, compares: bool) {
+        let mut bright = 0.0;
+        for estimate in estimates[..levels].iter().flatten() {
+            bright = estimate[0];
+        }
+        // Squares may exceed f32.
+        let scale = 1.0 / bright.hypot(FLOOR.sqrt() * around).max(f32::MIN_POSITIVE);
+        for larger in 0..levels {
+            let Some([value, noise]) = estimates[larger] else { continue };
+            if !(compares && larger == 0) {
+                self.variance[larger] += noise * scale * scale;
+                self.weights[larger] += 1.0;
+            }
             for smaller in 0..larger {
-                let apart = f64::from(luminance[larger]) - f64::from(luminance[smaller]);
-                self.difference[pair(smaller, larger)] += apart * apart;
+                if let Some([other, more]) = estimates[smaller] {
+                    let apart = (value - other) * scale;
+                    self.difference[pair(smaller, larger)] += apart * apart;
+                    self.noise[pair(smaller, larger)] += (more - noise).max(0.0) * scale * scale;
+                    self.pair_weights[pair(smaller, larger)] += 1.0;
+                }
             }
         }
-        let mean = f64::from(luminance[self.levels - 1]);
-        self.luminance += mean * mean;
-        self.pixels += 1.0;
     }
-}
 
-/// Chooses for the block of views of a microlens. `near` has the evidence of the same block of the microlenses around it;
-/// `levels` is the number of levels of the microlens, and `window_views` the views of each window. Neighbors with fewer
-/// windows are left out; those with more, whose windows differ a little, are taken as evidence all the same.
-pub(super) fn choose(near: &[Evidence], levels: usize, window_views: &[f64; LEVELS], block_views: f64) -> Choice {
-    let mut brightness = 0.0;
-    let mut lenses = 0.0;
-    for evidence in near.iter().filter(|evidence| evidence.levels >= levels) {
-        brightness += evidence.luminance / evidence.pixels;
-        lenses += 1.0;
+    /// Adds the places of another one.
+    #[inline(always)]
+    pub fn merge(&mut self, other: &Self) {
+        for k in 0..LEVELS {
+            self.variance[k] += other.variance[k];
+            self.weights[k] += other.weights[k];
+        }
+        for k in 0..PAIRS {
+            self.difference[k] += other.difference[k];
+            self.noise[k] += other.noise[k];
+            self.pair_weights[k] += other.pair_weights[k];
+        }
     }
-    let floor = FLOOR * brightness / lenses;
-    let mut sum = Evidence::new(levels);
-    for evidence in near.iter().filter(|evidence| evidence.levels >= levels) {
-        let weight = 1.0 / (evidence.luminance / evidence.pixels + floor).max(f64::MIN_POSITIVE) / evidence.pixels;
+
+    /// Chooses; `observations` tells how many independent ones each place is at a level. `None` if no level has an
+    /// estimate.
+    #[inline(always)]
+    pub fn choose(&self, levels: usize, observations: &[f32; LEVELS]) -> Option<Choice> {
+        let mut variance = [0.0; LEVELS];
         for level in 0..levels {
-            sum.variance[level] += evidence.variance[level] * weight / lenses;
+            variance[level] = self.variance[level] / self.weights[level];
         }
-        for k in 0..pair(0, levels) {
-            sum.difference[k] += evidence.difference[k] * weight / lenses;
-        }
-        sum.pixels += evidence.pixels;
-    }
-    let (mut level, mut least) = (0, sum.variance[0]);
-    for larger in 1..levels {
-        let mut error = sum.variance[larger];
-        for smaller in 0..larger {
-            let noise = (sum.variance[smaller] - sum.variance[larger]).max(0.0);
-            let found = sum.difference[pair(smaller, larger)];
-            // Means over overlapping windows are one observation.
-            let observations = (lenses * (block_views / window_views[smaller]).max(1.0)).min(sum.pixels);
-            // Of the mean of squared normal numbers, for the difference and for its expectation.
-            let standard_error = noise * (4.0 / observations).sqrt();
-            let bias = found - noise;
-            if bias > STANDARD_ERRORS * standard_error {
-                error = error.max(sum.variance[larger] + bias);
+        let mut best: Option<Choice> = None;
+        for larger in 0..levels {
+            if self.weights[larger] == 0.0 {
+                continue;
+            }
+            let mut error = variance[larger];
+            for smaller in 0..larger {
+                let weight = self.pair_weights[pair(smaller, larger)];
+                if weight == 0.0 {
+                    continue;
+                }
+                let noise = self.noise[pair(smaller, larger)] / weight;
+                let found = self.difference[pair(smaller, larger)] / weight;
+                // Of the mean of squared normal numbers, for the difference and for its expectation.
+                let standard_error = noise * (4.0 / (weight * observations[smaller]).max(1.0)).sqrt();
+                let bias = found - noise;
+                if bias > STANDARD_ERRORS * standard_error {
+                    error = error.max(variance[larger] + bias);
+                }
+            }
+            if best.is_none_or(|best| error <= best.error) {
+                best = Some(Choice { level: larger as f32, error });
             }
         }
-        if error <= least {
-            (level, least) = (larger, error);
-        }
+        best
     }
-    Choice { level: level as f32, error: least as f32 }
 }

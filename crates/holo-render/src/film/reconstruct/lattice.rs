@@ -26,6 +26,7 @@
 //! # Determinism
 //! A pixel depends on the samples of at most [`Lattice::margin_rows`] rows above and below it.
 
+mod blocks;
 mod gather;
 mod run;
 
@@ -34,15 +35,22 @@ use std::ops::Range;
 use holo_core::plenoptic::{MicrolensGrid, MicrolensIndex, PlenopticCamera};
 use rayon::prelude::*;
 
-pub(crate) use run::{LatticeReconstruction, differences_between_pixels};
+pub(crate) use run::LatticeReconstruction;
 
-use super::{Blocks, HALO};
+use self::blocks::Blocks;
+use super::cells::{MAX_VARIANCE, Sums};
+use super::choice::LENSES;
+use super::{REACH, SMOOTHED};
+use crate::film::guides::luminance;
 
 /// The owner of pixels that have none in the table.
 const NO_LENS: u32 = u32::MAX;
 
 /// The spots of microlenses of two types are comparable if one is at most this many times as wide as the other.
 const MAX_SPOT_RATIO: f32 = 1.25;
+
+/// Neighboring microlenses in any direction on which a pixel depends.
+const HALO: usize = SMOOTHED + LENSES + REACH;
 
 /// Pixels whose samples have less light, relative to an unvignetted one, are no samples of others.
 const MIN_WEIGHT: f32 = 0.01;
@@ -58,20 +66,22 @@ const HEX_ROW: f64 = 0.866_025_403_784_438_6;
 pub(crate) struct Source {
     /// The mean radiance.
     pub color: [f32; 3],
-    /// The half difference of the luminance ([`super::super::guides`]), relative to the weight as the radiance is.
-    pub difference: f32,
+    /// The variance of the luminance of that.
+    pub variance: f32,
     /// The mean disparity of what the samples hit.
     pub disparity: f32,
     /// The mean weight of the samples: 1 for an unvignetted pixel on the axis.
     pub weight: f32,
     /// The share of the white image that the pixel has in the result.
     pub share: f32,
+    /// The number of samples; without any only disparity and weight are known.
+    pub samples: f32,
 }
 
 /// The share of a pixel from that of the white image and from the mean weight of its samples. A sample is lit or not,
 /// so that the variance of the mean is about share (1 - share) / samples; each part counts as the other's variance.
-pub(crate) fn share(white: f32, weight: f32, samples: u32) -> f32 {
-    let variance = (white * (1.0 - white)).max(0.0) / samples as f32;
+pub(crate) fn share(white: f32, weight: f32, samples: f32) -> f32 {
+    let variance = (white * (1.0 - white)).max(0.0) / samples.max(1.0);
     let own = WHITE_ERROR * WHITE_ERROR / (WHITE_ERROR * WHITE_ERROR + variance);
     white + (weight - white) * own
 }
@@ -89,18 +99,21 @@ pub(crate) fn fill_rims(lattice: &Lattice, sources: &mut [Source]) {
         let near = around(row, lattice.rows.len())
             .flat_map(|row| around(column, lattice.columns).map(move |column| row * lattice.columns + column))
             .filter(|&other| lattice.owners[other] == lattice.owners[place] && sources[other].is_lit());
-        let (mut sum, mut count) = (Source::default(), 0.0);
+        let (mut sum, mut count, mut samples) = (Source::default(), 0.0, 0.0);
         for other in near {
             let Source { color, disparity, .. } = sources[other];
-            sum.color = std::array::from_fn(|c| sum.color[c] + color[c]);
+            if sources[other].has_samples() {
+                sum.color = std::array::from_fn(|c| sum.color[c] + color[c]);
+                samples += 1.0;
+            }
             sum.disparity += disparity;
             count += 1.0;
         }
         if count == 0.0 {
             return Some((place, Source { share: source.weight, ..*source }));
         }
-        let color = sum.color.map(|value| value / count);
-        Some((place, Source { color, disparity: sum.disparity / count, difference: 0.0, ..*source }))
+        let color = sum.color.map(|value| if samples > 0.0 { value / samples } else { 0.0 });
+        Some((place, Source { color, disparity: sum.disparity / count, samples: 0.0, ..*source }))
     };
     let filled: Vec<(usize, Source)> = (0..sources.len()).into_par_iter().filter_map(filled).collect();
     for (place, source) in filled {
@@ -109,10 +122,52 @@ pub(crate) fn fill_rims(lattice: &Lattice, sources: &mut [Source]) {
 }
 
 impl Source {
-    /// Whether the pixel has enough light to be a sample of others.
+    /// Whether the pixel has so much light that what it shows is known.
     #[inline]
     fn is_lit(&self) -> bool {
         self.weight > MIN_WEIGHT
+    }
+
+    /// Whether the pixel is a sample of others.
+    #[inline]
+    fn has_samples(&self) -> bool {
+        self.samples > 0.0 && self.is_lit()
+    }
+
+    /// Its samples.
+    #[inline]
+    fn sums(&self) -> Sums {
+        Sums {
+            color: self.color.map(|value| value * self.samples),
+            variance: self.variance.min(MAX_VARIANCE) * self.samples * self.samples,
+            weight: self.samples,
+            views: [0.0; 2],
+        }
+    }
+}
+
+/// Gives pixels with a single sample, which have no halves, a variance: from the difference to a neighbor behind the same
+/// microlens. Those without one have that of the square of the luminance.
+pub(crate) fn estimate_single_variances(lattice: &Lattice, sources: &mut [Source]) {
+    let variance = |place: usize| {
+        let source = &sources[place];
+        if source.samples != 1.0 {
+            return source.variance;
+        }
+        let own = luminance(source.color);
+        let column = place % lattice.columns;
+        let is_partner = |other: usize| lattice.owners[other] == lattice.owners[place] && sources[other].has_samples();
+        let left = column.checked_sub(1).map(|_| place - 1);
+        let right = Some(place + 1).filter(|_| column + 1 < lattice.columns);
+        let ends = if column.is_multiple_of(2) { [right, left] } else { [left, right] };
+        ends.into_iter().flatten().find(|&other| is_partner(other)).map_or(own * own, |other| {
+            let partner = &sources[other];
+            (own - luminance(partner.color)).powi(2) * partner.samples / (partner.samples + 1.0)
+        })
+    };
+    let variances: Vec<f32> = (0..sources.len()).into_par_iter().map(variance).collect();
+    for (source, variance) in sources.iter_mut().zip(variances) {
+        source.variance = variance;
     }
 }
 

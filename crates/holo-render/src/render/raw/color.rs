@@ -22,7 +22,7 @@ use crate::film::error_distribution::ErrorDistribution;
 use crate::film::guides;
 use crate::film::inverse_depth;
 use crate::film::reconstruct::lattice::{
-    Lattice, LatticeReconstruction, Source, differences_between_pixels, fill_rims, share,
+    Lattice, LatticeReconstruction, Source, estimate_single_variances, fill_rims, share,
 };
 use crate::integrator::path::{PathTile, Round, Scratch};
 use crate::integrator::{Integrator, RayCounts};
@@ -30,6 +30,9 @@ use crate::simd::{self, LANES};
 
 /// The lines of microlenses that are rendered together, counted from line 0 of the array.
 const BAND_LINES: i32 = 16;
+
+/// The channel of the guides that has no disparity: the weight of the samples that have color.
+const WEIGHT: usize = 1;
 
 /// The color of a request.
 pub(super) struct RawColor<'a> {
@@ -39,8 +42,7 @@ pub(super) struct RawColor<'a> {
     rows: Range<usize>,
     integrator: Integrator,
     bands: Vec<Band>,
-    /// The numbers of the samples of all rounds.
-    rounds: Vec<Range<u32>>,
+    rounds: Vec<Round>,
     /// Which pixels see the same, if color is reconstructed or its error estimated.
     lattice: Option<Lattice>,
     /// The white image of these rows, if color is reconstructed.
@@ -79,7 +81,7 @@ struct Values {
 /// A round of samples.
 struct RawRound {
     number: usize,
-    samples: Range<u32>,
+    round: Round,
     /// The error of the pixels before the round, and the one that is wanted.
     error: Option<Array3<f32>>,
     target: f32,
@@ -141,6 +143,17 @@ impl Values {
         colors.into_iter().map(tile).collect()
     }
 
+    /// Notes the weight of those pixels that have samples of color.
+    fn note_weights(&mut self) {
+        if let (Some(guides), Some(statistics)) = (&mut self.guides, &self.inverse_depths) {
+            let pixels = guides.as_slice_mut().unwrap_or_default().chunks_exact_mut(guides::CHANNELS);
+            let statistics = statistics.as_slice().unwrap_or_default().chunks_exact(inverse_depth::CHANNELS);
+            for (guides, statistics) in pixels.zip(statistics) {
+                guides[WEIGHT] = if guides[guides::SAMPLES] > 0.0 { statistics[0] } else { 0.0 };
+            }
+        }
+    }
+
     /// Adds the light of the packets to an image that begins at row `first`.
     fn add_to(&self, image: &mut Sums, packets: &[RawPacket], first: usize) {
         let add = |sum: &mut [f32], added: &[f32]| {
@@ -148,7 +161,12 @@ impl Values {
         };
         scatter(packets, &self.color, first, &mut image.color, add);
         if let (Some(all), Some(own)) = (&mut image.guides, &self.guides) {
-            scatter(packets, own, first, all, add);
+            scatter(packets, own, first, all, |sum, added| {
+                sum[0] += added[0];
+                sum[WEIGHT] += added[WEIGHT];
+                // Each of the microlenses that light a pixel has its samples.
+                sum[guides::SAMPLES] = sum[guides::SAMPLES].max(added[guides::SAMPLES]);
+            });
         }
         if let (Some(all), Some(own)) = (&mut image.inverse_depths, &self.inverse_depths) {
             scatter(packets, own, first, all, |sum, added| {
@@ -219,8 +237,8 @@ impl<'a> RawColor<'a> {
         let mut image = self.sums()?;
         // Later rounds add to the values of a band.
         let mut kept: Vec<Option<Values>> = self.bands.iter().map(|_| None).collect();
-        for (number, samples) in self.rounds.iter().enumerate() {
-            let mut round = RawRound { number, samples: samples.clone(), error: None, target };
+        for (number, round) in self.rounds.iter().enumerate() {
+            let mut round = RawRound { number, round: round.clone(), error: None, target };
             if number > 0 {
                 let error = self.estimate(&image, work)?;
                 let largest = error.iter().fold(0.0, |high: f32, &error| high.max(error));
@@ -279,20 +297,22 @@ impl<'a> RawColor<'a> {
         let rays = PlenopticRays::new(request.camera, pixels);
         let context = renderer.raw_context(request, self.integrator, rays, work);
         let trace = |tile: &Tile, out: &mut RawTile, scratch: &mut Scratch| {
-            let mut one = Round { samples: round.samples.clone(), wanted: Vec::new() };
+            let mut wanted = Vec::new();
             if let Some(error) = &out.error {
                 let exceeds = |packet: &[[f32; LANES]; 1]| packet[0].iter().any(|&error| error > round.target);
-                one.wanted = tile.read(error).iter().map(exceeds).collect();
-                if !one.wanted.contains(&true) {
+                wanted = tile.read(error).iter().map(exceeds).collect();
+                if !wanted.contains(&true) {
                     return RayCounts::default();
                 }
             }
             let (color, guides) = (out.color.view_mut(), out.guides.as_mut().map(|guides| guides.view_mut()));
             let inverse_depths = out.inverse_depths.as_mut().map(|sums| sums.view_mut());
-            simd::run(PathTile { context: &context, tile, color, guides, inverse_depths, round: &one, scratch })
+            let (context, round, wanted) = (&context, &round.round, wanted.as_slice());
+            simd::run(PathTile { context, tile, color, guides, inverse_depths, round, wanted, scratch })
         };
         let outputs = values.tiles(&tiling, error.as_mut());
         let rays = work.run(TileKind::Color, first_tile, &tiling, outputs, trace)?;
+        values.note_weights();
         values.add_to(image, context.camera.raw_packets(), request.row_range().start);
         Ok((values, rays))
     }
@@ -327,25 +347,23 @@ impl<'a> RawColor<'a> {
         let inverse_depths = image.inverse_depths.as_ref()?.as_slice()?;
         let source = |((color, guides), inverse_depth): ((&[f32], &[f32]), &[f32])| {
             let weight = inverse_depth[0];
-            let scale = if weight > 0.0 { 1.0 / weight } else { 0.0 };
+            let scale = if guides[WEIGHT] > 0.0 { 1.0 / guides[WEIGHT] } else { 0.0 };
             Source {
                 color: [color[0] * scale, color[1] * scale, color[2] * scale],
-                difference: guides[0] * scale,
+                variance: (guides[0] * scale).powi(2),
                 disparity: lattice.disparity_px(f64::from(inverse_depth[2])),
                 weight,
                 share: weight,
+                samples: guides[guides::SAMPLES],
             }
         };
         let pixels = color.par_chunks_exact(3).zip(guides.par_chunks_exact(guides::CHANNELS));
         let pixels = pixels.zip(inverse_depths.par_chunks_exact(inverse_depth::CHANNELS));
         let mut sources: Vec<Source> = pixels.map(source).collect();
-        if self.request.transport.samples == 1 {
-            differences_between_pixels(lattice, &mut sources);
-        }
+        estimate_single_variances(lattice, &mut sources);
         if let Some(white) = self.white.as_ref().and_then(|white| white.as_slice()) {
-            let samples = self.request.transport.samples;
             let pixels = sources.par_iter_mut().zip(white);
-            pixels.for_each(|(source, &white)| source.share = share(white, source.weight, samples));
+            pixels.for_each(|(source, &white)| source.share = share(white, source.weight, source.samples));
             fill_rims(lattice, &mut sources);
         }
         Some(sources)

@@ -3,21 +3,28 @@
 use std::ops::Range;
 
 use super::super::REACH;
-use super::super::gather::{FARTHEST, GATHER_LEVELS, MAX_PARTING_PX, Means, WINDOWS};
-use super::super::windows::{LEVELS, VALUES};
+use super::super::cells::Sums;
+use super::super::nodes::MAX_PARTING_PX;
 use super::{Lattice, MAX_SPOT_RATIO, Source};
+
+/// The number of windows.
+pub(super) const WINDOW_COUNT: usize = 5;
+
+/// Of the windows: the largest distance from a viewpoint to that of the pixel, px along an axis, and the largest distance
+/// of the point from what a pixel sees, in spots. Tuned on grass.
+const WINDOWS: [(usize, f32); WINDOW_COUNT] = [(0, 0.0), (2, 0.1), (4, 0.15), (7, 0.15), (usize::MAX, 0.2)];
+
+/// The largest distance of a viewpoint in a window, px along an axis.
+const FARTHEST: usize = 10;
 
 /// The largest number of pixels along an axis that a window may have of a microlens.
 const CANDIDATES: usize = 2 * FARTHEST + 2;
 
 /// The mark of a pixel that belongs to no window.
-const OUTSIDE: usize = GATHER_LEVELS;
+const OUTSIDE: usize = WINDOW_COUNT;
 
-/// The means of a pixel over nested windows, and how many pixels these have.
-pub(super) struct Gathered {
-    pub means: Means,
-    pub counts: [f32; LEVELS],
-}
+/// The sums of the samples of a pixel's nested windows.
+pub(super) type Gathered = [Sums; WINDOW_COUNT];
 
 /// The point that a pixel sees, and how far windows reach from it.
 struct Point {
@@ -82,12 +89,13 @@ pub(super) fn gather(
 ) -> Gathered {
     let own = &lattice.lenses[lens];
     let own_place = lattice.place(row, column);
-    let Source { color: [r, g, b], difference, disparity, .. } = sources[own_place];
+    let Source { disparity, .. } = sources[own_place];
     let point = Point { disparity, spot: lattice.spot(own.lens_type, disparity), largest };
-    let mut sums = [[0.0f32; VALUES]; LEVELS];
-    let mut counts = [0.0f32; LEVELS];
+    let mut sums = [Sums::default(); WINDOW_COUNT];
     // The smallest window is the pixel alone.
-    (sums[0], counts[0]) = ([r, g, b, difference], 1.0);
+    if sources[own_place].has_samples() {
+        sums[0] = sources[own_place].sums();
+    }
     let reach = if largest == 0 { 0.0 } else { disparity.abs() * radius(largest) + WINDOWS[largest].1 * point.spot };
     let reach = reach.min(REACH as f32);
     let lines = if largest == 0 { 0 } else { (f64::from(reach) * lattice.lines_per_pitch).ceil() as usize + 1 };
@@ -113,31 +121,16 @@ pub(super) fn gather(
                 let source = &sources[place];
                 let apart = rows.apart[i].abs().max(columns.apart[k].abs());
                 let parting = (source.disparity - disparity).abs() * apart;
-                if !source.is_lit() || parting > MAX_PARTING_PX * point.spot {
+                if !source.has_samples() || parting > MAX_PARTING_PX * point.spot {
                     continue;
                 }
-                let [r, g, b] = source.color;
-                for (sum, value) in sums[level].iter_mut().zip([r, g, b, source.difference]) {
-                    *sum += value;
-                }
-                counts[level] += 1.0;
+                sums[level].add(&source.sums());
             }
         }
     }
-    nested(&sums, counts, largest)
-}
-
-/// The means over windows from the sums over what each has beside the smaller ones.
-fn nested(sums: &[[f32; VALUES]; LEVELS], mut counts: [f32; LEVELS], largest: usize) -> Gathered {
-    let mut means = [[0.0; VALUES]; LEVELS];
-    let (mut sum, mut count) = ([0.0; VALUES], 0.0f32);
-    for level in 0..=largest {
-        count += counts[level];
-        for (value, part) in sum.iter_mut().zip(sums[level]) {
-            *value += part;
-        }
-        means[level] = sum.map(|value| value / count);
-        counts[level] = count;
+    for level in 1..=largest {
+        let smaller = sums[level - 1];
+        sums[level].add(&smaller);
     }
-    Gathered { means, counts }
+    sums
 }

@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::super::choice::{self, Choice, Evidence, LENSES};
-use super::super::gather::GATHER_LEVELS;
-use super::super::windows::LEVELS;
-use super::super::{Blocks, SMOOTHED};
-use super::gather::gather;
+use super::super::SMOOTHED;
+use super::super::cells::Sums;
+use super::super::choice::{Choice, Evidence, LENSES, LEVELS};
+use super::blocks::Blocks;
+use super::gather::{WINDOW_COUNT, gather};
 use super::{Lattice, Source};
 use crate::film::error_distribution::ErrorDistribution;
 use crate::film::guides::luminance;
@@ -95,7 +95,7 @@ impl LatticeReconstruction<'_> {
 
     /// The number of windows, from the pixel itself to the largest one.
     fn levels(&self) -> usize {
-        if self.filters { GATHER_LEVELS } else { 1 }
+        if self.filters { WINDOW_COUNT } else { 1 }
     }
 
     /// The evidence of the blocks of a microlens, from about every second row and column of its pixels. Empty for a
@@ -107,7 +107,7 @@ impl LatticeReconstruction<'_> {
         if own.rows.is_empty() {
             return Vec::new();
         }
-        let nothing = Observed { evidence: Evidence::new(levels), counts: [0.0; LEVELS], pixels: 0.0 };
+        let nothing = Observed { evidence: Evidence::NONE, counts: [0.0; LEVELS], pixels: 0.0 };
         let mut out = vec![nothing; blocks.count()];
         for row in own.rows.clone() {
             let t = lattice.view(own.center[1], row);
@@ -119,14 +119,14 @@ impl LatticeReconstruction<'_> {
                     continue;
                 }
                 let found = gather(lattice, self.sources, lens, [row, column], levels - 1);
-                let (mut bright, mut difference) = ([0.0; LEVELS], [0.0; LEVELS]);
+                let mut estimates = [None; LEVELS];
                 let block = &mut out[blocks.of([t, s])];
-                for level in 0..levels {
-                    let [r, g, b, d] = found.means[level];
-                    (bright[level], difference[level]) = (luminance([r, g, b]), d);
-                    block.counts[level] += f64::from(found.counts[level]);
+                for (level, sums) in found.iter().enumerate().take(levels).filter(|(_, sums)| sums.weight > 0.0) {
+                    let [r, g, b, noise] = sums.means();
+                    estimates[level] = Some([luminance([r, g, b]), noise]);
+                    block.counts[level] += f64::from(sums.weight);
                 }
-                block.evidence.add(&bright, &difference);
+                block.evidence.add(&estimates, levels, 0.0, false);
                 block.pixels += 1.0;
             }
         }
@@ -151,18 +151,21 @@ impl LatticeReconstruction<'_> {
         }
         let blocks = lattice.blocks();
         let of_block = |block: usize| {
-            let mut near = Vec::new();
+            let (mut near, mut lenses) = (Evidence::NONE, 0.0);
             let (mut window_pixels, mut pixels) = ([0.0; LEVELS], 0.0);
             for number in self.alike(lens, LENSES, first, observed.len()) {
                 let Some(found) = observed[number].get(block).filter(|found| found.pixels > 0.0) else { continue };
-                near.push(found.evidence);
+                near.merge(&found.evidence);
+                lenses += 1.0;
                 pixels += found.pixels;
                 for (sum, count) in window_pixels.iter_mut().zip(found.counts) {
                     *sum += count;
                 }
             }
-            let window_pixels = window_pixels.map(|sum: f64| (sum / pixels).max(1.0));
-            (!near.is_empty()).then(|| choice::choose(&near, levels, &window_pixels, blocks.size()))
+            // Means over overlapping windows are one observation.
+            let observations = window_pixels
+                .map(|sum: f64| (lenses * (blocks.size() * pixels / sum).max(1.0) / pixels).min(1.0) as f32);
+            near.choose(levels, &observations)
         };
         let choices: Vec<Option<Choice>> = (0..blocks.count()).map(of_block).collect();
         let mean = mean(choices.iter().flatten());
@@ -208,12 +211,31 @@ impl LatticeReconstruction<'_> {
         let level = level.clamp(0.0, (self.levels() - 1) as f32);
         let (lower, upper) = (level.floor() as usize, level.ceil() as usize);
         let part = level - lower as f32;
-        let means = gather(self.lattice, self.sources, lens, [row, column], upper).means;
+        let sums = gather(self.lattice, self.sources, lens, [row, column], self.levels() - 1);
         let share = self.sources[self.lattice.place(row, column)].share;
-        std::array::from_fn(|c| {
-            let (low, high) = (means[lower][c], means[upper][c]);
-            share * if part > 0.0 { low + (high - low) * part } else { low }
-        })
+        // Without samples the next larger window.
+        let means = |level: usize| sums[level..self.levels()].iter().find(|sums| sums.weight > 0.0).map(Sums::means);
+        let color = match (means(lower), means(upper)) {
+            (Some([r, g, b, _]), None) => [r, g, b],
+            (Some(low), Some(high)) => {
+                std::array::from_fn(|c| if part > 0.0 { low[c] + (high[c] - low[c]) * part } else { low[c] })
+            }
+            (None, _) => self.mean_of(lens),
+        };
+        color.map(|value| value * share)
+    }
+
+    /// The mean radiance of the samples behind a microlens: that of pixels without samples in any window.
+    fn mean_of(&self, lens: usize) -> [f32; 3] {
+        let own = &self.lattice.lenses[lens];
+        let mut all = Sums::default();
+        for (row, column) in own.rows.clone().flat_map(|row| own.columns.clone().map(move |column| (row, column))) {
+            let place = self.lattice.place(row, column);
+            if self.lattice.owners[place] as usize == lens && self.sources[place].has_samples() {
+                all.add(&self.sources[place].sums());
+            }
+        }
+        if all.weight > 0.0 { all.color.map(|sum| sum / all.weight) } else { [0.0; 3] }
     }
 }
 
@@ -226,36 +248,4 @@ fn mean<'a>(choices: impl Iterator<Item = &'a Choice>) -> Choice {
         count += 1.0;
     }
     if count > 0.0 { Choice { level: sum.level / count, error: sum.error / count } } else { sum }
-}
-
-/// With one sample per pixel there are no halves. Of every two neighbors in a row of a micro-image, one gets their
-/// difference in place of a half difference and the other nothing, which has the variance of a pixel on average. Signs
-/// alternate, so that gradients cancel.
-pub(crate) fn differences_between_pixels(lattice: &Lattice, sources: &mut [Source]) {
-    let difference = |place: usize| {
-        let (row, column) = (lattice.rows.start + place / lattice.columns, place % lattice.columns);
-        let owner = lattice.owners[place];
-        let Some(own) = lattice.lenses.get(owner as usize) else { return 0.0 };
-        let (t, s) = (lattice.view(own.center[1], row), lattice.view(own.center[0], column));
-        let bright = |column: usize| luminance(sources[lattice.place(row, column)].color);
-        let is_partner = |column: usize| {
-            let place = lattice.place(row, column);
-            lattice.owners[place] == owner && sources[place].is_lit()
-        };
-        let left = column.checked_sub(1).filter(|&left| is_partner(left));
-        let right = Some(column + 1).filter(|&right| right < lattice.columns && is_partner(right));
-        let sign = if (t + s / 2).is_multiple_of(2) { 1.0 } else { -1.0 };
-        let is_first = s.is_multiple_of(2);
-        match (if is_first { right } else { left }, if is_first { left } else { right }) {
-            (Some(partner), _) if (t + s).is_multiple_of(2) => sign * (bright(column) - bright(partner)),
-            (Some(_), _) => 0.0,
-            // The one at the edge stands for itself.
-            (None, Some(partner)) => sign * (bright(column) - bright(partner)) * std::f32::consts::FRAC_1_SQRT_2,
-            (None, None) => 0.0,
-        }
-    };
-    let differences: Vec<f32> = (0..sources.len()).into_par_iter().map(difference).collect();
-    for (source, difference) in sources.iter_mut().zip(differences) {
-        source.difference = difference;
-    }
 }

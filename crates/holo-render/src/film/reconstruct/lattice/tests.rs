@@ -49,10 +49,11 @@ impl Synthetic {
             let weight = 0.2 + 0.8 * uniform(3, row, column);
             sources.push(Source {
                 color: [radiance, 0.5 * radiance, 2.0 * radiance],
-                difference: luminance([1.0, 0.5, 2.0]) * (a - b) / 2.0,
+                variance: (luminance([1.0, 0.5, 2.0]) * (a - b) / 2.0).powi(2),
                 disparity,
                 weight,
                 share: weight,
+                samples: 4.0,
             });
         }
         Self { lattice, sources }
@@ -200,13 +201,13 @@ fn black_and_bright_pixels_stay_finite() {
 #[test]
 fn shares_become_those_of_the_samples() {
     let (white, weight) = (0.4, 0.6);
-    assert!((share(white, weight, 8) - white).abs() < 2e-3);
-    assert!((share(white, weight, 1 << 20) - weight).abs() < 1e-3);
-    let shares: Vec<f32> = (0..24).map(|power| share(white, weight, 1 << power)).collect();
+    assert!((share(white, weight, 8.0) - white).abs() < 2e-3);
+    assert!((share(white, weight, 1048576.0) - weight).abs() < 1e-3);
+    let shares: Vec<f32> = (0..24).map(|power| share(white, weight, f32::from(power as u16).exp2())).collect();
     assert!(shares.windows(2).all(|pair| pair[0] < pair[1]), "{shares:?}");
     // Pixels that all or no samples should reach have no noise: the samples know better.
     for white in [0.0, 1.0] {
-        assert_eq!(share(white, 0.5, 8), 0.5);
+        assert_eq!(share(white, 0.5, 8.0), 0.5);
     }
 }
 
@@ -242,7 +243,7 @@ fn rims_take_their_shares_from_the_white_image() {
     };
     let before = squared_error(&sources);
     for (source, &white) in sources.iter_mut().zip(&white) {
-        source.share = share(white, source.weight, SAMPLES);
+        source.share = share(white, source.weight, SAMPLES as f32);
     }
     fill_rims(&lattice, &mut sources);
     let after = squared_error(&sources);

@@ -1,0 +1,93 @@
+//! First-order fits, over the views of a microlens and over neighboring microlenses: where a surface goes on, its light
+//! there tells its light here.
+//!
+//! The nodes of the same view behind (2 r + 1)^2 microlenses have estimates at known places; the value at the place of the
+//! node is that of the plane through them, by weighted least squares (a local linear regression; Cleveland, 1979). A
+//! gradient is no bias, and what noise is left is smooth over the microlenses: it holds nothing to match between views.
+
+use super::nodes::Window;
+
+/// The radii r, in microlenses.
+pub(super) const RADII: [usize; 3] = [1, 2, 4];
+
+/// The largest radius.
+pub(super) const REACH: usize = RADII[RADII.len() - 1];
+
+/// What is added to the second moments, relative to the weight, px^2: without neighbors the mean remains.
+const RIDGE: f32 = 1e-3;
+
+/// A plane through estimates.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Plane {
+    /// The color at the place of the node, and the variance of its luminance.
+    pub values: [f32; 4],
+    /// The change of the color per microlens down and to the right.
+    pub gradient: [[f32; 3]; 2],
+    /// The weight; 0 without estimates.
+    pub weight: f32,
+}
+
+/// The moments of estimates at places of a plane.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Moments {
+    weight: f32,
+    /// Of the places: y, x.
+    first: [f32; 2],
+    /// y y, y x, x x.
+    second: [f32; 3],
+    values: [f32; 3],
+    /// The variance of the sum of the luminance.
+    variance: f32,
+    /// Of places with values.
+    mixed: [[f32; 3]; 2],
+}
+
+impl Moments {
+    /// Adds an estimate of a microlens so many microlenses down and to the right.
+    #[inline(always)]
+    pub fn add(&mut self, window: &Window, apart: [f32; 2]) {
+        let weight = window.weight;
+        let [y, x] = [apart[0] + window.offset[0], apart[1] + window.offset[1]];
+        let [wy, wx] = [weight * y, weight * x];
+        self.weight += weight;
+        self.first[0] += wy;
+        self.first[1] += wx;
+        self.second[0] += wy * y;
+        self.second[1] += wy * x;
+        self.second[2] += wx * x;
+        self.variance += weight * weight * window.values[3];
+        for k in 0..3 {
+            self.values[k] += weight * window.values[k];
+            self.mixed[0][k] += wy * window.values[k];
+            self.mixed[1][k] += wx * window.values[k];
+        }
+    }
+
+    /// The plane of least squares, with its values at a place.
+    #[inline(always)]
+    pub fn plane_at(&self, place: [f32; 2]) -> Plane {
+        if self.weight <= 0.0 {
+            return Plane::default();
+        }
+        let scale = 1.0 / self.weight;
+        let [y, x] = self.first.map(|sum| sum * scale);
+        let [to_y, to_x] = [place[0] - y, place[1] - x];
+        // Central moments.
+        let yy = self.second[0] * scale - y * y + RIDGE;
+        let yx = self.second[1] * scale - y * x;
+        let xx = self.second[2] * scale - x * x + RIDGE;
+        let inverse = 1.0 / (yy * xx - yx * yx);
+        let mut out = Plane { weight: self.weight, ..Plane::default() };
+        for k in 0..3 {
+            let mean = self.values[k] * scale;
+            let [fy, fx] = [self.mixed[0][k] * scale - y * mean, self.mixed[1][k] * scale - x * mean];
+            let (down, across) = ((fy * xx - fx * yx) * inverse, (fx * yy - fy * yx) * inverse);
+            out.values[k] = mean + down * to_y + across * to_x;
+            (out.gradient[0][k], out.gradient[1][k]) = (down, across);
+        }
+        // That of a mean, and more where the estimates lie to one side.
+        let beside = (to_y * to_y * xx - 2.0 * to_y * to_x * yx + to_x * to_x * yy) * inverse;
+        out.values[3] = self.variance * scale * scale * (1.0 + beside);
+        out
+    }
+}
