@@ -102,7 +102,7 @@ fn percent(median: f64, high: f64) -> String {
 }
 
 struct Measured {
-    samples: i64,
+    samples: f64,
     /// Median and ninth decile of: the estimate, the image, rounding, the reference.
     quantiles: [[f64; 2]; 4],
 }
@@ -165,7 +165,7 @@ fn measure(scene: &str, folder: &Path, settings: &Settings) -> Result<Measured> 
         }
         [errors[errors.len() / 2], errors[errors.len() * 9 / 10]]
     });
-    let samples = number("spp").unwrap_or(0.0) as i64;
+    let samples = number("spp").unwrap_or(0.0);
     Ok(Measured { samples, quantiles: [estimated(manifest), image, rounding, reference] })
 }
 

@@ -117,13 +117,15 @@ pub(super) fn finish(node: &Node, planes: &Planes, choice: Choice, count: usize)
     let at = |level: usize| (level.max(1)..=last).find_map(|level| values(node, planes, count, level));
     let (low, high) = (at(level.floor() as usize), at(level.ceil() as usize));
     let part = level - level.floor();
-    let color = match (low, high) {
-        (Some(low), Some(high)) => {
-            std::array::from_fn(|c| if part > 0.0 { low[c] + (high[c] - low[c]) * part } else { low[c] })
-        }
-        (Some(one), None) | (None, Some(one)) => [one[0], one[1], one[2]],
-        (None, None) => [0.0; 3],
+    let (low, high) = match (low, high) {
+        (Some(low), Some(high)) => (low, high),
+        (Some(one), None) | (None, Some(one)) => (one, one),
+        (None, None) => ([0.0; 4], [0.0; 4]),
     };
+    let mut color = [0.0; 3];
+    for c in 0..3 {
+        color[c] = if part > 0.0 { low[c] + (high[c] - low[c]) * part } else { low[c] };
+    }
     Finished { disparity: node.disparity, color, gradient: planes[0].gradient, level, error: choice.error }
 }
 

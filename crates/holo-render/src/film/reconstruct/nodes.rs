@@ -122,16 +122,17 @@ fn lines(
 ) -> Lines {
     let size = cells.size as f32;
     let last = cells.counts[axis];
-    std::array::from_fn(|k| {
-        if !wanted.contains(&k) {
-            return 0..0;
-        }
+    let mut out = [const { 0..0 }; WINDOW_COUNT];
+    for k in wanted.clone() {
         let (distance, beside) = window(k, count);
         // Those with | apart + speed * away | below `beside`.
         let ends = [(-beside - apart) / speed, (beside - apart) / speed];
         let (mut low, mut high) = (ends[0].min(ends[1]).max(-distance), ends[0].max(ends[1]).min(distance));
         if speed == 0.0 {
             (low, high) = if apart.abs() <= beside { (-distance, distance) } else { (1.0, 0.0) };
+        }
+        if low > high {
+            continue;
         }
         // The middle of a cell is ((2 k + 1) size - 1) / 2; that of the last one may lie before it.
         let place = |away: f32| (view as f32 + away - (size - 1.0) / 2.0) / size;
@@ -144,8 +145,11 @@ fn lines(
         if range.end == last && of_last < low {
             range.end -= 1;
         }
-        if range.start < range.end { range } else { 0..0 }
-    })
+        if range.start < range.end {
+            out[k] = range;
+        }
+    }
+    out
 }
 
 /// The `wanted` ones of `count` windows of the pixel at view (t, s) of microlens (v, u), which shows something of this
@@ -174,6 +178,9 @@ pub(super) fn gather(
             let cells = &cells.row(row)[column];
             let apart = [row as f32 - v as f32, column as f32 - u as f32];
             let rows = lines(cells, 0, t, apart[0], speed_down, (count, &wanted));
+            if rows[wanted.end - 1].is_empty() {
+                continue;
+            }
             let columns = lines(cells, 1, s, apart[1], speed_across, (count, &wanted));
             let [low, high] = cells.disparity_range;
             let parting = (low - disparity).abs().max((high - disparity).abs()) * longest;

@@ -46,9 +46,13 @@ struct ToNodes<'a>(&'a Field<'a>, &'a Rows<Cells>);
 #[derive(Clone, Copy)]
 struct ToEvidence<'a>(&'a Field<'a>, &'a Rows<Cells>, &'a Rows<Node>);
 
-/// Chooses among this many levels, from the evidence of the neighbors too.
+/// Adds up the evidence of the neighbors above and below.
 #[derive(Clone, Copy)]
-struct ToChoices<'a>(&'a Rows<(Planes, Evidence)>, usize);
+struct ToColumns<'a>(&'a Rows<(Planes, Evidence)>);
+
+/// Chooses among this many levels, from such columns of evidence of the neighbors on both sides too.
+#[derive(Clone, Copy)]
+struct ToChoices<'a>(&'a [Evidence], usize);
 
 /// Finishes nodes at the levels that they and their neighbors have chosen.
 #[derive(Clone, Copy)]
@@ -81,7 +85,10 @@ impl Steps {
         cells.extend_to(end(4), |row| all.row(row, ToCells(field)));
         nodes.extend_to(end(3), |row| all.row(row, ToNodes(field, cells)));
         evidence.extend_to(end(2), |row| all.row(row, ToEvidence(field, cells, nodes)));
-        choices.extend_to(end(1), |row| all.row(row, ToChoices(evidence, levels)));
+        choices.extend_to(end(1), |row| {
+            let columns = all.row(row, ToColumns(evidence));
+            all.row(row, ToChoices(&columns, levels))
+        });
         finished.extend_to(end(0), |row| all.row(row, ToFinished(nodes, evidence, choices)));
         let start = |step: usize| (v + 1).saturating_sub(AHEAD[step]);
         cells.forget_before(start(4));
@@ -222,21 +229,36 @@ impl OfLens<'_, ToEvidence<'_>> {
     }
 }
 
+impl Kernel for OfLens<'_, ToColumns<'_>> {
+    type Output = Vec<Evidence>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Evidence> {
+        let (ToColumns(evidence), [v, u]) = (self.step, self.lens);
+        let count = self.views.count();
+        let mut out = vec![Evidence::NONE; count];
+        for row in evidence.near(v, LENSES) {
+            for (sum, (_, own)) in out.iter_mut().zip(&evidence.row(row)[u * count..][..count]) {
+                sum.merge(own);
+            }
+        }
+        out
+    }
+}
+
 impl Kernel for OfLens<'_, ToChoices<'_>> {
     type Output = Vec<Option<Choice>>;
 
     #[inline(always)]
     fn run(self) -> Vec<Option<Choice>> {
-        let (ToChoices(evidence, levels), [v, u]) = (self.step, self.lens);
+        let (ToChoices(columns, levels), [_, u]) = (self.step, self.lens);
         let count = self.views.count();
         let observations = estimate::observations(self.windows);
         let mut out = Vec::with_capacity(count);
         for node in 0..count {
             let mut near = Evidence::NONE;
-            for row in evidence.near(v, LENSES) {
-                for column in u.saturating_sub(LENSES)..(u + LENSES + 1).min(self.lenses) {
-                    near.merge(&evidence.row(row)[column * count + node].1);
-                }
+            for column in u.saturating_sub(LENSES)..(u + LENSES + 1).min(self.lenses) {
+                near.merge(&columns[column * count + node]);
             }
             out.push(near.choose(levels, &observations));
         }
