@@ -8,11 +8,13 @@ use std::ops::Range;
 
 use super::super::guides::{CHANNELS, SAMPLES, luminance};
 use super::Field;
-use super::fit::Moments;
-use super::nodes::{MAX_PARTING_PX, Window};
+use super::fit::{Moments, Window};
 
 /// The largest movement, px, of anything within a cell.
 const MAX_MOVEMENT_PX: f32 = 0.1;
+
+/// The largest movement, px, of a sample against the point between their views.
+pub(super) const MAX_PARTING_PX: f32 = 0.25;
 
 /// The largest side of a cell, in views.
 const LARGEST: usize = 5;

@@ -5,8 +5,6 @@
 //! node is that of the plane through them, by weighted least squares (a local linear regression; Cleveland, 1979). A
 //! gradient is no bias, and what noise is left is smooth over the microlenses: it holds nothing to match between views.
 
-use super::nodes::Window;
-
 /// The radii r, in microlenses.
 pub(super) const RADII: [usize; 3] = [1, 2, 4];
 
@@ -15,6 +13,17 @@ pub(super) const REACH: usize = RADII[RADII.len() - 1];
 
 /// What is added to the second moments, relative to the weight, px^2: without neighbors the mean remains.
 const RIDGE: f32 = 1e-3;
+
+/// The means of the samples of a window.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Window {
+    /// The color, and the variance of its luminance.
+    pub values: [f32; 4],
+    /// Where the samples lie on average, px down and to the right of the point.
+    pub offset: [f32; 2],
+    /// The number of samples; without any there are no means.
+    pub weight: f32,
+}
 
 /// A plane through estimates.
 #[derive(Clone, Copy, Debug, Default)]

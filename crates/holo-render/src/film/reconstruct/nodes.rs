@@ -10,7 +10,8 @@
 
 use std::ops::Range;
 
-use super::cells::{Cells, Sums};
+use super::cells::{Cells, MAX_PARTING_PX, Sums};
+use super::fit::Window;
 use super::rows::Rows;
 use super::{Grid, REACH, is_within};
 
@@ -20,20 +21,6 @@ pub(super) const WINDOW_COUNT: usize = 5;
 /// Of the windows: the largest distance from a view to that of the node, in views along an axis, and the largest distance of
 /// the point from the center of a microlens, px along an axis.
 const WINDOWS: [(f32, f32); WINDOW_COUNT] = [(2.5, 0.1), (5.0, 0.15), (9.0, 0.15), (20.0, 0.2), (f32::INFINITY, 0.5)];
-
-/// The largest movement, px, of a sample against the point between their views.
-pub(super) const MAX_PARTING_PX: f32 = 0.25;
-
-/// The means of the samples of a window.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Window {
-    /// The color, and the variance of its luminance.
-    pub values: [f32; 4],
-    /// Where the samples lie on average, px down and to the right of the point.
-    pub offset: [f32; 2],
-    /// The number of samples; without any there are no means.
-    pub weight: f32,
-}
 
 /// The first estimates of a node.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,8 @@
 //! The light of pixels from the nodes around them.
 
 use super::super::guides::CHANNELS;
+use super::cells::MAX_PARTING_PX;
 use super::estimate::Finished;
-use super::nodes::MAX_PARTING_PX;
 use super::{Grid, SPREAD_REACH, Steps, is_within};
 use crate::simd::Kernel;
 

@@ -1,5 +1,5 @@
-use super::cells::Cells;
-use super::nodes::{MAX_PARTING_PX, WINDOW_COUNT, gather, window};
+use super::cells::{Cells, MAX_PARTING_PX};
+use super::nodes::{WINDOW_COUNT, gather, window};
 use super::rows::Rows;
 use super::*;
 use crate::film::guides::luminance;

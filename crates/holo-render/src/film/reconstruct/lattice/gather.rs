@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use super::super::REACH;
-use super::super::cells::Sums;
-use super::super::nodes::MAX_PARTING_PX;
+use super::super::cells::{MAX_PARTING_PX, Sums};
 use super::{Lattice, MAX_SPOT_RATIO, Source};
 
 /// The number of windows.
