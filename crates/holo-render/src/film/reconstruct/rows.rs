@@ -10,7 +10,7 @@ pub(super) struct Rows<T> {
 }
 
 impl<T> Rows<T> {
-    /// None, the first of which will be row `first`.
+    /// No rows yet; the first one that is added is row `first`.
     pub fn starting_at(first: usize) -> Self {
         Self { first, rows: VecDeque::new() }
     }

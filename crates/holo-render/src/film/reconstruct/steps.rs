@@ -59,7 +59,7 @@ struct ToChoices<'a>(&'a [Evidence], usize);
 struct ToFinished<'a>(&'a Rows<Node>, &'a Rows<(Planes, Evidence)>, &'a Rows<Option<Choice>>);
 
 impl Steps {
-    /// None yet, for the rows from `first` on.
+    /// Nothing is found yet; `first` is the first row that will be reconstructed.
     pub fn new(shape: [usize; 4], first: usize) -> Self {
         let views = [shape[2], shape[3]];
         let starting = |step: usize| first.saturating_sub(AHEAD[step]);

@@ -203,7 +203,7 @@ fn noise_falls_with_the_number_of_samples() {
             found += squared_error(shape, &values, value) / 4.0;
             estimated += median_square(&error) / 4.0;
         }
-        // All views of up to 9 x 9 microlenses, of which those at the border have a half.
+        // A fit takes all views of up to 9 x 9 microlenses; at the border of the image it has about half of them.
         let gain = 0.09 / found;
         assert!(gain > 1024.0 * 4.0, "{disparity}: {gain}");
         let ratio = estimated / found;
