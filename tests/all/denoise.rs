@@ -69,7 +69,7 @@ fn errors(renderer: &Renderer, request: &Request, images: &[&Rendered]) -> Vec<[
 fn neighboring_views_take_the_noise_away() {
     // Textures unfiltered, as the reconstruction takes them.
     for (name, movement_px, gain) in
-        [("plaster", 0.01, 60.0), ("glasses", 0.01, 30.0), ("garden", 0.01, 30.0), ("garden", 0.3, 2.5)]
+        [("plaster", 0.01, 60.0), ("glasses", 0.01, 30.0), ("garden", 0.01, 30.0), ("garden", 0.3, 2.2)]
     {
         let (renderer, request) = prepared(name, movement_px);
         let plain = renderer
@@ -211,7 +211,8 @@ fn few_pixels_need_samples() {
         let mut estimated: Vec<f32> = rendered.error.expect("an estimate").samples().iter().copied().collect();
         estimated.sort_by(f32::total_cmp);
         let estimated = f64::from(estimated[estimated.len() / 2]);
-        assert!((0.5..2.0).contains(&(estimated / typical)), "1/{pixels}: estimated {estimated}, is {typical}");
+        // The points of a packet are better distributed than independent ones, as which they are counted.
+        assert!((0.5..2.5).contains(&(estimated / typical)), "1/{pixels}: estimated {estimated}, is {typical}");
     }
 }
 

@@ -92,10 +92,9 @@ impl PixelPacket<'_> {
     /// several microlenses, among those of its view.
     #[inline(always)]
     pub fn rank(&self, seed: u64) -> u32 {
-        let (lens, view) = (self.ids.lens[0], [self.ids.view[0][0], self.ids.view[1][0]]);
         match &self.source {
-            PixelSource::Rig(rig, _) => rig.rank(seed, lens, view),
-            PixelSource::Plenoptic(..) => rank(seed, lens, view.map(|k| k / BLOCK)),
+            PixelSource::Rig(rig, _) => rig.rank(seed, &self.ids),
+            PixelSource::Plenoptic(..) => rank(seed, self.ids.lens[0], self.ids.view.map(|k| k[0] / BLOCK)),
         }
     }
 

@@ -9,3 +9,4 @@ pub(crate) mod guides;
 pub(crate) mod inverse_depth;
 pub mod layers;
 pub(crate) mod reconstruct;
+pub(crate) mod tint;

@@ -14,6 +14,7 @@ mod reuse;
 mod scatterer;
 mod shade;
 mod straight_shadows;
+mod unseen;
 
 use crate::accel::Engine;
 use crate::camera::RaySource;

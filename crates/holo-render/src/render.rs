@@ -294,7 +294,11 @@ impl Renderer {
             reuse: self.reuses(request, integrator, region),
             ..self.policy(transport, integrator)
         };
-        let guides = color::needs_guides(request).then(|| Movement::Disparity(color::disparity(request.rig)));
+        let guides = color::needs_guides(request).then(|| {
+            let ratio = request.rig.baseline_ratio();
+            let movement = ratio.vertical().max(ratio.horizontal()) as f32;
+            Movement::Disparity(color::disparity(request.rig), movement)
+        });
         let is_plain = request.denoise == Denoise::Off;
         let filters = transport.texture_filter == TextureFilter::Footprint && is_plain;
         let sampler = Sampler {

@@ -122,6 +122,8 @@ pub(crate) struct PixelIds {
     pub lens: [u32; LANES],
     /// The view, which is the pixel behind the microlens: its row and column.
     pub view: [[u32; LANES]; 2],
+    /// The row and column of the packet among those behind its microlens, if all its pixels are there.
+    pub packet: Option<[u32; 2]>,
 }
 
 /// Generates the random numbers of a render.
@@ -373,7 +375,7 @@ mod tests {
                 let mut points = Vec::new();
                 for view in 0..block * block {
                     let at = [7 * block + view / block, 100 * block + view % block].map(|k| [k << shift; LANES]);
-                    let ids = PixelIds { lens: std::array::from_fn(|lane| lane as u32), view: at };
+                    let ids = PixelIds { lens: std::array::from_fn(|lane| lane as u32), view: at, packet: None };
                     let runs = sampler.runs_of_groups(&ids, shift);
                     for sample in 0..full {
                         points.push(sampler.points(&runs.sequence, &runs.first.map(|first| first + sample), SKY));
@@ -400,7 +402,8 @@ mod tests {
         let mut seen = std::collections::BTreeSet::new();
         for row in (0..300).chain(65_500..65_600) {
             for column in [0, 1, 90, 127, 128, 4095, 65_536] {
-                let runs = sampler.runs(&PixelIds { lens: [5; LANES], view: [[row; LANES], [column; LANES]] });
+                let view = [[row; LANES], [column; LANES]];
+                let runs = sampler.runs(&PixelIds { lens: [5; LANES], view, packet: None });
                 assert!(runs.first[0] <= (1 << INDEX_BITS) - MAX_SAMPLES && runs.first[0].is_multiple_of(MAX_SAMPLES));
                 assert!(seen.insert((runs.sequence[0], runs.first[0])), "view ({row}, {column})");
             }

@@ -184,7 +184,7 @@ impl PlenopticRays {
     /// What the random numbers of the pixels depend on.
     #[inline(always)]
     pub fn pixel_ids(&self, pixels: &RawPacket) -> PixelIds {
-        let mut ids = PixelIds { lens: [0; LANES], view: [[0; LANES]; 2] };
+        let mut ids = PixelIds { lens: [0; LANES], view: [[0; LANES]; 2], packet: None };
         for lane in 0..LANES {
             let lens = &self.pixels.lenses[pixels.lens[lane] as usize];
             ids.lens[lane] = lens.id;

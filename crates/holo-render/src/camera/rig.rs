@@ -117,16 +117,20 @@ impl RigRays {
         for lane in 0..LANES {
             lens[lane] = v.index[lane] * self.lens_columns + u.index[lane];
         }
-        PixelIds { lens, view: [t.index, s.index] }
+        let [along_v, along_u, along_t, along_s] = self.packet;
+        let is_behind_one = along_v * along_u == 1 && !self.is_list;
+        let packet = is_behind_one.then(|| [t.index[0] / along_t, s.index[0] / along_s]);
+        PixelIds { lens, view: [t.index, s.index], packet }
     }
 
-    /// The rank of the packet whose first pixel is behind microlens `lens` in this row and column of views.
+    /// The rank of the packet with these pixels.
     #[inline(always)]
-    pub fn rank(&self, seed: u64, lens: u32, [t, s]: [u32; 2]) -> u32 {
-        let [along_v, along_u, along_t, along_s] = self.packet;
-        if along_v * along_u == 1 {
-            return rank(seed, lens, [t / along_t, s / along_s]);
+    pub fn rank(&self, seed: u64, pixels: &PixelIds) -> u32 {
+        let (lens, [t, s]) = (pixels.lens[0], [pixels.view[0][0], pixels.view[1][0]]);
+        if let Some(packet) = pixels.packet {
+            return rank(seed, lens, packet);
         }
+        let [along_v, along_u, ..] = self.packet;
         let [v, u] = [lens / self.lens_columns / along_v, lens % self.lens_columns / along_u];
         rank(seed, t << 16 | s, [v, u])
     }

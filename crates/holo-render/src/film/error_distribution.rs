@@ -35,7 +35,7 @@ impl ErrorDistribution {
 
     /// Adds pixels with these estimated errors.
     pub fn extend(&mut self, errors: &[f32]) {
-        if errors.len() < CLASSES {
+        if errors.len() < CLASSES / 8 {
             return errors.iter().for_each(|&error| self.add(error));
         }
         let mut counts = vec![0u32; CLASSES];

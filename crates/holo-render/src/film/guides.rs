@@ -8,20 +8,25 @@
 
 use holo_core::Disparity;
 
-use crate::simd::LANES;
+use super::tint;
+use crate::simd::{LANES, at};
 
-/// Channels of the guides of a pixel: the half difference, the mean disparity of the first hits, px, and the number of
-/// samples.
-pub(crate) const CHANNELS: usize = 3;
+/// Channels of the guides of a pixel: the half difference, the mean disparity of the first hits, px, the number of samples,
+/// and the mean [tint](super::tint) of the first hits.
+pub(crate) const CHANNELS: usize = 4;
 
 /// The channel of the number of samples: 0 for a pixel that was only seen, whose disparity is that of one ray.
 pub(crate) const SAMPLES: usize = 2;
 
+/// The channel of the packed tint; it is only known of pixels with samples.
+pub(crate) const TINT: usize = 3;
+
 /// What tells how far things move from view to view.
 #[derive(Clone, Copy)]
 pub(crate) enum Movement {
-    /// The disparity of the views: the mean over the samples is the second guide.
-    Disparity(Disparity),
+    /// The disparity of the views, and how far things move between adjacent ones, in multiples of it along the axis where
+    /// they move more: the mean over the samples is the second guide.
+    Disparity(Disparity, f32),
     /// The statistics of the inverse depth, in which samples have the weight of their light. The second guide stays 0.
     Statistics,
 }
@@ -40,6 +45,8 @@ pub(crate) struct Guides {
     second: Vec<[f32; LANES]>,
     /// The sums of the disparity of the first hits.
     disparity: Vec<[f32; LANES]>,
+    /// The sums of their tints.
+    tint: Vec<[[f32; LANES]; 3]>,
 }
 
 /// Luminance, Rec. 709.
@@ -57,6 +64,8 @@ impl Guides {
             sums.clear();
             sums.resize(packets, [0.0; LANES]);
         }
+        self.tint.clear();
+        self.tint.resize(packets, [[0.0; LANES]; 3]);
     }
 
     /// Whether the sample at `index` of its sequence belongs to the second half.
@@ -71,6 +80,16 @@ impl Guides {
         self.second[packet][lane] += luminance(color);
     }
 
+    /// Adds the tints of the first hits of one sample.
+    #[inline(always)]
+    pub fn add_tint(&mut self, packet: usize, tint: &[[f32; LANES]; 3]) {
+        for c in 0..3 {
+            for lane in 0..LANES {
+                self.tint[packet][c][lane] += tint[c][lane];
+            }
+        }
+    }
+
     /// Adds the disparities of the first hits of one sample.
     #[inline(always)]
     pub fn add_disparity(&mut self, packet: usize, disparity: &[f32; LANES]) {
@@ -79,18 +98,28 @@ impl Guides {
         }
     }
 
+    /// The sums of the disparities of the first hits.
+    #[inline(always)]
+    pub fn disparity(&self, packet: usize) -> &[f32; LANES] {
+        &self.disparity[packet]
+    }
+
     /// The guides of a packet with the given sums of color over `samples` samples.
     #[inline(always)]
     pub fn packet(&self, packet: usize, color: &[[f32; LANES]; 3], samples: u32) -> [[f32; LANES]; CHANNELS] {
         let second_count = self.second_count(samples);
         let [a, b] = [samples - second_count, second_count].map(|count| count as f32);
-        let mut out = [[0.0; LANES], [0.0; LANES], [samples as f32; LANES]];
+        let mut out = [[0.0; LANES], [0.0; LANES], [samples as f32; LANES], [0.0; LANES]];
+        let scale = 1.0 / samples.max(1) as f32;
         for lane in 0..LANES {
             let all = luminance([color[0][lane], color[1][lane], color[2][lane]]);
             let second = self.second[packet][lane];
             let difference = ((all - second) / a - second / b) * ((a * b).sqrt() / (a + b));
             out[0][lane] = if second_count > 0 { difference } else { 0.0 };
             out[1][lane] = self.disparity[packet][lane] / samples.max(1) as f32;
+            if samples > 0 {
+                out[TINT][lane] = tint::pack(at(&self.tint[packet], lane).map(|sum| sum * scale));
+            }
         }
         out
     }
@@ -119,6 +148,8 @@ pub(crate) fn merge(
         all[0][lane] = if before > 0.0 { difference } else { added[0][lane] };
         all[1][lane] = (all[1][lane] * before + added[1][lane] * count) / total;
         all[SAMPLES][lane] = total;
+        let added = added[TINT][lane];
+        all[TINT][lane] = if before > 0.0 { tint::mixed(all[TINT][lane], added, before / total) } else { added };
         for c in 0..3 {
             color[c][lane] = (old[c] * before + sums[c][lane]) / total;
         }

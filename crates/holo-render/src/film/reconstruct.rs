@@ -45,7 +45,7 @@ use crate::simd;
 const REACH: usize = 4;
 
 /// The largest distance, in microlenses along an axis, of a node that a pixel takes its light from.
-const SPREAD_REACH: usize = 2;
+const SPREAD_REACH: usize = 8;
 
 /// Neighboring microlenses on each side whose choices are averaged.
 const SMOOTHED: usize = 1;
@@ -77,6 +77,8 @@ pub(crate) struct Reconstruction<'a> {
     pub guides: &'a [f32],
     /// Movement between vertically and between horizontally adjacent views, in multiples of the disparity.
     pub movement: [f32; 2],
+    /// The disparity of what is infinitely far away.
+    pub infinite: f32,
     /// Whether the error is that of reconstructed color; otherwise that of the samples, which then stay.
     pub filters: bool,
     /// Whether color is replaced; otherwise only its error is estimated.
@@ -94,6 +96,8 @@ struct Grid {
     shape: [usize; 4],
     /// Movement between vertically and between horizontally adjacent views, in multiples of the disparity.
     movement: [f32; 2],
+    /// The disparity of what is infinitely far away.
+    infinite: f32,
 }
 
 /// The samples as they were rendered.
@@ -122,7 +126,7 @@ impl Reconstruction<'_> {
     pub fn run(mut self, advance: impl Fn() -> bool) -> ErrorDistribution {
         let [_, lens_columns, view_rows, view_columns] = self.shape;
         let width = lens_columns * view_columns;
-        let grid = Grid { shape: self.shape, movement: self.movement };
+        let grid = Grid { shape: self.shape, movement: self.movement, infinite: self.infinite };
         let mut steps = Steps::new(self.shape, self.rows.start);
         let mut distribution = ErrorDistribution::default();
         let replaces = self.replaces && self.filters;

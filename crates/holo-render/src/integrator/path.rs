@@ -27,9 +27,10 @@ use std::ops::Range;
 
 use ndarray::ArrayViewMut5;
 
-use super::paths::{PathPacket, Paths, Query, Scattered};
+use super::paths::{self, PathPacket, Paths, Query, Scattered};
 use super::reuse::{self, SharedLight, Step};
 use super::shade::{self, Shading};
+use super::unseen::Unseen;
 use super::{Context, RayCounts, mis};
 use crate::accel::refine;
 use crate::accel::{CAMERA_RAY, Coherence, NO_TRIANGLE, RayHits, Rays};
@@ -38,6 +39,7 @@ use crate::camera::{CameraRays, PixelPacket};
 use crate::film::adaptive::Samples;
 use crate::film::guides::{self, Guides, Movement};
 use crate::film::inverse_depth::{self, InverseDepths};
+use crate::film::tint;
 use crate::material::media::MediaStack;
 use crate::material::{HitPoints, SurfaceInteraction};
 use crate::sampling::{self, RANKS, Runs, SamplesPerPixel};
@@ -45,11 +47,8 @@ use crate::simd::Kernel;
 use crate::simd::{LANES, at, count};
 use holo_scene::MAX_RADIANCE;
 
-/// The number of neighboring lanes (of 15) on different triangles above which shadow rays are traced as incoherent (tuned
-/// for speed).
-const INCOHERENT_CHANGES: u32 = 11;
-
-/// The same for scattered rays, as a running mean over the packets before (tuned for speed): towards walls and floors
+/// The number of [changes](paths::changes) of scattered rays, as a running mean over the packets before, above which they are
+/// traced as incoherent (tuned for speed): towards walls and floors
 /// coherent packets take 0.9 of the time, towards foliage incoherent ones do.
 const SCATTERED_CHANGES: f32 = 5.5;
 
@@ -117,6 +116,7 @@ pub(crate) struct Scratch {
     runs: Vec<Runs>,
     samples: Samples,
     guides: Guides,
+    unseen: Unseen,
     inverse_depths: InverseDepths,
     shared: SharedLight,
     /// Rays that were scattered at the previous vertex.
@@ -139,15 +139,20 @@ impl Kernel for PathTile<'_, '_> {
             if context.stop.requested() {
                 return tile_paths.counts;
             }
-            let sees_all = first == 0 && self.round.is_first() && context.guides.is_some();
+            let leaves_out = first == 0 && self.round.is_first() && context.guides.is_some();
+            let sees = if leaves_out { Sees::Some } else { Sees::Samples };
             for vertex in 0..=context.policy.max_bounces {
-                tile_paths.trace(self.tile, Stage { vertex, gathers: false, sees_all }, [first, end]);
+                tile_paths.trace(self.tile, Stage { vertex, gathers: false, sees }, [first, end]);
                 if tile_paths.scratch.next.is_empty() {
                     break;
                 }
             }
+            if leaves_out && tile_paths.scratch.unseen.fill(&mut tile_paths.scratch.guides) {
+                tile_paths.trace(self.tile, Stage { vertex: 0, gathers: false, sees: Sees::Rest }, [0, 1]);
+            }
             if context.policy.reuse {
-                tile_paths.trace(self.tile, Stage { vertex: 0, gathers: true, sees_all: false }, [first, end]);
+                let sees = Sees::Samples;
+                tile_paths.trace(self.tile, Stage { vertex: 0, gathers: true, sees }, [first, end]);
             }
             tile_paths.scratch.samples.add(end - first, &tile_paths.scratch.color);
             if !tile_paths.scratch.samples.any_wanted() {
@@ -225,13 +230,19 @@ impl Scratch {
         if context.guides.is_some() {
             self.guides.begin(round.samples.len() as u32, tile.packet_count());
         }
+        self.unseen.begin(&context.guides);
         if context.inverse_depths {
             self.inverse_depths.begin(tile.packet_count());
         }
         self.next.clear();
         for (k, pixels) in context.camera.packets(tile).enumerate() {
-            let has_rank = round.ranks == (0..RANKS) || round.ranks.contains(&pixels.rank(context.sampler.seed));
-            self.samples.push(&pixels.valid, has_rank && (wanted.is_empty() || wanted[k]));
+            let has_all = round.ranks == (0..RANKS);
+            let rank = if has_all { 0 } else { pixels.rank(context.sampler.seed) };
+            let has_samples = round.ranks.contains(&rank) && (wanted.is_empty() || wanted[k]);
+            self.samples.push(&pixels.valid, has_samples);
+            if !has_all && context.guides.is_some() {
+                self.unseen.push(&pixels, rank, has_samples);
+            }
             self.runs.push(context.sampler.runs(&pixels.ids));
         }
     }
@@ -250,8 +261,18 @@ struct TilePaths<'a> {
 struct Stage {
     vertex: u32,
     gathers: bool,
-    /// Whether packets that do not take part are traced to their first hits, for the guides.
-    sees_all: bool,
+    sees: Sees,
+}
+
+/// Which packets are traced to a first vertex.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sees {
+    /// Those that take part.
+    Samples,
+    /// Also some others, for the guides.
+    Some,
+    /// The others that turned out to be needed, but those that take part no more.
+    Rest,
 }
 
 /// Sixteen traced rays.
@@ -290,8 +311,13 @@ impl TilePaths<'_> {
                 let Some(pixels) = pixel_packets.next() else { return };
                 let sample = first + (k / per_sample) as u32;
                 let is_left_out = stage.gathers && !self.scratch.shared.is_active(k);
-                let takes_part = self.scratch.samples.wanted(index);
-                if is_left_out || !(takes_part || stage.sees_all && sample == 0) {
+                let takes_part = stage.sees != Sees::Rest && self.scratch.samples.wanted(index);
+                let sees = match stage.sees {
+                    Sees::Samples => false,
+                    Sees::Some => sample == 0 && self.scratch.unseen.is_traced(index),
+                    Sees::Rest => self.scratch.unseen.is_missing(index),
+                };
+                if is_left_out || !(takes_part || sees) {
                     continue;
                 }
                 let traced = self.camera_rays(&pixels, index, sample, stage.gathers, &mut packet);
@@ -322,6 +348,10 @@ impl TilePaths<'_> {
         }
         add_environment(context, &packet.rays, &misses, &is_shared, &traced.paths, &mut contribution);
         let found = SurfaceInteraction::new(context.scene.appearance, context.scene.geometry, packet, &traced.points);
+        if vertex == 0 && !stage.gathers && matches!(context.guides, Some(Movement::Disparity(..))) {
+            let packet = traced.paths.pixel[0] as usize / LANES;
+            self.scratch.guides.add_tint(packet, &tint::of(found.as_ref()));
+        }
         if let Some(interaction) = &found {
             let mut hit = interaction.hit;
             for lane in 0..LANES {
@@ -387,7 +417,7 @@ impl TilePaths<'_> {
         }
         context.scene.engine.intersect(&valid, packet, Coherence::Coherent);
         let refined = refine::refine(context.scene.geometry, packet, &exact);
-        if let Some(Movement::Disparity(map)) = &context.guides
+        if let Some(Movement::Disparity(map, _)) = &context.guides
             && !again
         {
             let mut disparity = [0.0; LANES];
@@ -411,7 +441,7 @@ impl TilePaths<'_> {
         for lane in 0..LANES {
             paths.pixel[lane] = (index * LANES + lane) as u32;
         }
-        let coherence = coherence(packet);
+        let coherence = paths::coherence(packet);
         Traced {
             paths,
             sequences: runs.sequence,
@@ -448,7 +478,7 @@ impl TilePaths<'_> {
                 let is_coherent = mean_changes <= SCATTERED_CHANGES;
                 let coherence = if is_coherent { Coherence::Coherent } else { Coherence::Incoherent };
                 engine.intersect(&rays.valid, &mut packet, coherence);
-                mean_changes += (changes(&packet) as f32 - mean_changes) * LAST_CHANGES;
+                mean_changes += (paths::changes(&packet) as f32 - mean_changes) * LAST_CHANGES;
             }
             self.scratch.now.record(k, &packet, geometry, query);
         }
@@ -549,22 +579,4 @@ fn add_environment(
             contribution[c][lane] += if misses[lane] { found } else { 0.0 };
         }
     }
-}
-
-/// The coherence of shadow rays. Rays from many different triangles (grass, leaves) traverse different parts of the
-/// tree, even towards one light; tracing them as a packet is then slower than one ray at a time.
-#[inline(always)]
-fn coherence(packet: &RayHits) -> Coherence {
-    if changes(packet) > INCOHERENT_CHANGES { Coherence::Incoherent } else { Coherence::Coherent }
-}
-
-/// The number of neighboring lanes, of 15, that have hit different triangles.
-#[inline(always)]
-fn changes(packet: &RayHits) -> u32 {
-    let (triangle, instance) = (&packet.hits.triangle, &packet.hits.instance);
-    let mut changes = 0;
-    for lane in 1..LANES {
-        changes += u32::from((triangle[lane] != triangle[lane - 1]) | (instance[lane] != instance[lane - 1]));
-    }
-    changes
 }

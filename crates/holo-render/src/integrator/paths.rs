@@ -7,7 +7,7 @@
 //! that mostly lie on one surface. Rays that have missed the scene come first, or are left out if no light is behind it.
 //! The order of the rays of a pixel depends only on those rays.
 
-use crate::accel::{NO_TRIANGLE, RayHits, Rays};
+use crate::accel::{Coherence, NO_TRIANGLE, RayHits, Rays};
 use crate::geometry::{FLATTENED, Geometry};
 use crate::material::media::MediaStack;
 use crate::simd::{LANES, Lanes};
@@ -313,6 +313,28 @@ fn spread(x: u32) -> u32 {
     let x = (x | x << 4) & 0x0F0F;
     let x = (x | x << 2) & 0x3333;
     (x | x << 1) & 0x5555
+}
+
+/// The number of neighboring lanes (of 15) on different triangles above which shadow rays are traced as incoherent (tuned
+/// for speed).
+const INCOHERENT_CHANGES: u32 = 11;
+
+/// The coherence of shadow rays. Rays from many different triangles (grass, leaves) traverse different parts of the
+/// tree, even towards one light; tracing them as a packet is then slower than one ray at a time.
+#[inline(always)]
+pub(super) fn coherence(packet: &RayHits) -> Coherence {
+    if changes(packet) > INCOHERENT_CHANGES { Coherence::Incoherent } else { Coherence::Coherent }
+}
+
+/// The number of neighboring lanes, of 15, that have hit different triangles.
+#[inline(always)]
+pub(super) fn changes(packet: &RayHits) -> u32 {
+    let (triangle, instance) = (&packet.hits.triangle, &packet.hits.instance);
+    let mut changes = 0;
+    for lane in 1..LANES {
+        changes += u32::from((triangle[lane] != triangle[lane - 1]) | (instance[lane] != instance[lane - 1]));
+    }
+    changes
 }
 
 #[cfg(test)]

@@ -205,9 +205,9 @@ pub struct Rendered {
     /// image](holo_core::plenoptic::PlenopticCamera::white_image). `None` for the integrator `Depth`.
     pub color: Option<LightFieldOwned<f32>>,
     /// The estimated relative standard error of `color`, axes (v, u, t, s, c) with one channel, if
-    /// [`Request::estimate_error`] is set: the square root of variance and squared bias, averaged over 5 x 5 microlenses and
-    /// about 8 x 8 views and divided by the luminance there; of a plenoptic camera 8 x 8 pixels, and 0 for pixels without
-    /// light. The estimate is above the true error where samples are better distributed than independent ones. `None` for the
+    /// [`Request::estimate_error`] is set: the square root of variance and squared bias, averaged over 3 x 3 microlenses and
+    /// about 6 sqrt(n) of n views along an axis and divided by the luminance there; of a plenoptic camera 8 x 8 pixels, and 0
+    /// for pixels without light. The estimate is above the true error where samples are better distributed than independent ones. `None` for the
     /// integrator `Depth`.
     pub error: Option<LightFieldOwned<f32>>,
     /// The distribution of the same over all pixels, if [`Request::estimate_error`] is set or color is reconstructed.

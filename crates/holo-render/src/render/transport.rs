@@ -28,8 +28,8 @@ pub struct Transport {
     pub roulette: bool,
     /// The target of the relative standard error of each pixel for adaptive sampling; `samples` is then the maximum per
     /// pixel. `None`: all pixels get `samples`. With [`Denoise::Views`](crate::Denoise::Views) it is the error after the
-    /// reconstruction, estimated in rounds after 1/16, 1/8, .. 1, 2, 4, ... samples; shards then render 13 more lens rows
-    /// on either side for every round, or 13 micro-images of a plenoptic camera.
+    /// reconstruction, estimated in rounds after 1/16, 1/8, .. 1, 2, 4, ... samples; shards then render 12 more lens rows
+    /// on either side for every round, or 12 micro-images of a plenoptic camera.
     pub target_error: Option<f64>,
     /// Whether `Auto` includes indirect illumination between diffuse surfaces. Otherwise paths continue only from metal
     /// and glass.

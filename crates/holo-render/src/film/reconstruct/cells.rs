@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::super::guides::{CHANNELS, SAMPLES, luminance};
+use super::super::tint;
 use super::Field;
 use super::fit::{Moments, Window};
 
@@ -23,7 +24,7 @@ const LARGEST: usize = 5;
 pub(super) const MAX_VARIANCE: f32 = 1e24;
 
 /// The values of [`Sums`].
-const VALUES: usize = 8;
+const VALUES: usize = 12;
 
 /// Sums over samples.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,6 +37,8 @@ pub(super) struct Sums {
     pub weight: f32,
     /// Of the middle views of their cells, rows and columns, from that of the middle of all views.
     pub views: [f32; 2],
+    /// Of the tint.
+    pub tint: [f32; 3],
 }
 
 /// The cells of the views behind one microlens.
@@ -63,6 +66,7 @@ impl Sums {
     pub fn add(&mut self, other: &Self) {
         for c in 0..3 {
             self.color[c] += other.color[c];
+            self.tint[c] += other.tint[c];
         }
         self.variance += other.variance;
         self.weight += other.weight;
@@ -107,7 +111,7 @@ impl Cells {
                 let cell = &mut out.table[(row + 1) * width + k + 1];
                 let mut disparities = 0.0;
                 for s in k * size..((k + 1) * size).min(columns) {
-                    let [difference, disparity, weight] = guides[s];
+                    let [difference, disparity, weight, packed] = guides[s];
                     disparities += disparity;
                     if weight == 0.0 {
                         continue;
@@ -120,6 +124,10 @@ impl Cells {
                     cell[2] += b * weight;
                     cell[3] += weight * weight * of_mean.min(MAX_VARIANCE);
                     cell[4] += weight;
+                    let tint = tint::unpack(packed);
+                    for c in 0..3 {
+                        cell[7 + c] += tint[c] * weight;
+                    }
                 }
                 out.disparities[row * counts[1] + k] += disparities;
             }
@@ -141,7 +149,8 @@ impl Cells {
                 (cell[5], cell[6]) = (cell[4] * y, cell[4] * x);
                 if cell[4] > 0.0 {
                     let values = sums(cell).means();
-                    out.trend.add(&Window { values, offset: [y, x], weight: cell[4] }, [0.0; 2]);
+                    let window = Window { values, offset: [y, x], weight: cell[4], tint: [1.0; 3] };
+                    out.trend.add(&window, [0.0; 2], 1.0);
                 }
                 let above = out.table[row * width + column + 1];
                 for k in 0..VALUES {
@@ -158,7 +167,7 @@ impl Cells {
     pub fn trend_at(&self, [t, s]: [usize; 2]) -> Window {
         let place = [0, 1].map(|axis| [t, s][axis] as f32 - self.views[axis] as f32 / 2.0);
         let plane = self.trend.plane_at(place);
-        Window { values: plane.values, offset: [0.0; 2], weight: plane.weight }
+        Window { values: plane.values, offset: [0.0; 2], weight: plane.weight, tint: [1.0; 3] }
     }
 
     /// The sums of a rectangle of cells.
@@ -222,8 +231,9 @@ impl Cells {
 
 /// The sums of these values of the table.
 #[inline(always)]
-fn sums([r, g, b, variance, weight, y, x, _]: [f32; VALUES]) -> Sums {
-    Sums { color: [r, g, b], variance: variance.max(0.0), weight, views: [y, x] }
+fn sums([r, g, b, variance, weight, y, x, tint_r, tint_g, tint_b, ..]: [f32; VALUES]) -> Sums {
+    let tint = [tint_r, tint_g, tint_b];
+    Sums { color: [r, g, b], variance: variance.max(0.0), weight, views: [y, x], tint }
 }
 
 /// The variance of the luminance of pixel `s` of a row of views, which has a single sample: from the difference to its

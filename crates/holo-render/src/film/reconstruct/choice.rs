@@ -20,7 +20,7 @@ pub(super) const fn levels(windows: usize) -> usize {
 }
 
 /// Microlenses on each side over which evidence is averaged.
-pub(super) const LENSES: usize = 2;
+pub(super) const LENSES: usize = 1;
 
 /// Standard errors above which a difference counts as bias.
 const STANDARD_ERRORS: f32 = 2.5;
@@ -45,6 +45,9 @@ pub(super) struct Evidence {
     /// The weights of the places that have this level, and both levels.
     weights: [f32; LEVELS],
     pair_weights: [f32; PAIRS],
+    /// The pixels among the places: those that do not only compare. Few of them have samples of their own where not all are
+    /// traced; the variance of few samples is no evidence.
+    pixels: f32,
 }
 
 /// The level of a place, and its error.
@@ -68,12 +71,14 @@ impl Evidence {
         noise: [0.0; PAIRS],
         weights: [0.0; LEVELS],
         pair_weights: [0.0; PAIRS],
+        pixels: 0.0,
     };
 
     /// Adds a place, whose levels without an estimate are `None`; `around` is the luminance of what is around it. The
     /// smallest level of a place that `compares` is only there to be compared with.
     #[inline(always)]
     pub fn add(&mut self, estimates: &[Option<Estimate>; LEVELS], levels: usize, around: f32, compares: bool) {
+        self.pixels += if compares { 0.0 } else { 1.0 };
         let mut bright = 0.0;
         for estimate in estimates[..levels].iter().flatten() {
             bright = estimate[0];
@@ -100,6 +105,7 @@ impl Evidence {
     /// Adds the places of another one.
     #[inline(always)]
     pub fn merge(&mut self, other: &Self) {
+        self.pixels += other.pixels;
         for k in 0..LEVELS {
             self.variance[k] += other.variance[k];
             self.weights[k] += other.weights[k];
@@ -121,7 +127,8 @@ impl Evidence {
         }
         let mut best: Option<Choice> = None;
         for larger in 0..levels {
-            if self.weights[larger] == 0.0 {
+            let is_rare = larger == 0 && levels > 1 && 2.0 * self.weights[0] < self.pixels;
+            if self.weights[larger] == 0.0 || is_rare {
                 continue;
             }
             let mut error = variance[larger];

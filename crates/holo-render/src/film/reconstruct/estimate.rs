@@ -22,6 +22,56 @@ pub(super) struct Finished {
     pub error: f32,
 }
 
+/// The surface at a node: its disparity, which of a plane changes evenly from microlens to microlens.
+struct Surface {
+    disparity: f32,
+    change: [f32; 2],
+    /// The squared difference from it that another surface has.
+    tolerance: f32,
+}
+
+/// The relative difference of the inverse depth that another surface has.
+const OTHER_SURFACE: f32 = 0.02;
+
+impl Surface {
+    #[inline(always)]
+    fn around(
+        nodes: &Rows<Node>,
+        [v, u]: [usize; 2],
+        (node, per_lens): (usize, usize),
+        lens_columns: usize,
+        infinite: f32,
+    ) -> Self {
+        let at = |row: usize, column: usize| nodes.row(row)[column * per_lens + node].disparity;
+        let disparity = at(v, u);
+        let rows = nodes.near(v, 1);
+        let above = if rows.start < v { disparity - at(v - 1, u) } else { f32::INFINITY };
+        let below = if rows.end > v + 1 { at(v + 1, u) - disparity } else { f32::INFINITY };
+        let left = if u > 0 { disparity - at(v, u - 1) } else { f32::INFINITY };
+        let right = if u + 1 < lens_columns { at(v, u + 1) - disparity } else { f32::INFINITY };
+        // An edge lies on one side.
+        let smaller = |a: f32, b: f32| if a.abs() < b.abs() { a } else { b };
+        let change = [smaller(above, below), smaller(left, right)].map(|x| if x.is_finite() { x } else { 0.0 });
+        let tolerance = OTHER_SURFACE * (disparity - infinite);
+        Self { disparity, change, tolerance: tolerance * tolerance }
+    }
+
+    /// How far a node so many microlenses down and to the right is on the surface: 0 to 1.
+    #[inline(always)]
+    fn part(&self, disparity: f32, [down, across]: [f32; 2]) -> f32 {
+        let apart = disparity - self.disparity - self.change[0] * down - self.change[1] * across;
+        let part = 1.0 - apart * apart / self.tolerance;
+        // Also where disparities are no numbers.
+        if part > 0.0 {
+            part * part
+        } else if apart == 0.0 || !self.tolerance.is_finite() {
+            1.0
+        } else {
+            0.0
+        }
+    }
+}
+
 /// Fits planes through the nodes around node number `node` of `per_lens` behind microlens (v, u) of so many columns.
 #[inline(always)]
 pub(super) fn planes(
@@ -29,11 +79,14 @@ pub(super) fn planes(
     [v, u]: [usize; 2],
     (node, per_lens): (usize, usize),
     lens_columns: usize,
-    count: usize,
+    (count, infinite): (usize, f32),
 ) -> Planes {
     let mut out = Planes::default();
-    let mut moments = Moments::default();
+    let (mut moments, mut colors) = (Moments::default(), Moments::default());
     let mut inside = 0;
+    let own = &nodes.row(v)[u * per_lens + node];
+    let own_tint = own.windows[count - 1].tint;
+    let surface = Surface::around(nodes, [v, u], (node, per_lens), lens_columns, infinite);
     for (k, &radius) in RADII.iter().enumerate() {
         for row in nodes.near(v, radius) {
             let line = nodes.row(row);
@@ -43,12 +96,23 @@ pub(super) fn planes(
                 if is_inside || window.weight == 0.0 {
                     continue;
                 }
-                moments.add(window, [row as f32 - v as f32, column as f32 - u as f32]);
+                let apart = [row as f32 - v as f32, column as f32 - u as f32];
+                if k == 0 {
+                    colors.add(window, apart, 1.0);
+                }
+                let part = surface.part(line[column * per_lens + node].disparity, apart);
+                if part > 0.0
+                    && let Some(window) = window.tinted(&own_tint)
+                {
+                    moments.add(&window, apart, part);
+                }
             }
         }
         inside = radius;
         out[k] = moments.plane_at([0.0; 2]);
     }
+    // What lies beside the point has the change of color, with that of the tint.
+    out[0].gradient = colors.plane_at([0.0; 2]).gradient;
     out
 }
 

@@ -5,11 +5,16 @@
 //! node is that of the plane through them, by weighted least squares (a local linear regression; Cleveland, 1979). A
 //! gradient is no bias, and what noise is left is smooth over the microlenses: it holds nothing to match between views.
 
+use super::super::guides::luminance;
+
 /// The radii r, in microlenses.
 pub(super) const RADII: [usize; 3] = [1, 2, 4];
 
 /// The largest radius.
 pub(super) const REACH: usize = RADII[RADII.len() - 1];
+
+/// The largest ratio of the tints of two windows that tell each other's light.
+const MAX_TINT_RATIO: f32 = 8.0;
 
 /// What is added to the second moments, relative to the weight, px^2: without neighbors the mean remains.
 const RIDGE: f32 = 1e-3;
@@ -23,6 +28,26 @@ pub(super) struct Window {
     pub offset: [f32; 2],
     /// The number of samples; without any there are no means.
     pub weight: f32,
+    /// The tint.
+    pub tint: [f32; 3],
+}
+
+impl Window {
+    /// What it would be on a surface of another tint; `None` if that differs by more than [`MAX_TINT_RATIO`].
+    #[inline(always)]
+    pub fn tinted(&self, tint: &[f32; 3]) -> Option<Self> {
+        let mut out = *self;
+        for c in 0..3 {
+            let ratio = tint[c] / self.tint[c];
+            if !(1.0 / MAX_TINT_RATIO..=MAX_TINT_RATIO).contains(&ratio) {
+                return None;
+            }
+            out.values[c] *= ratio;
+        }
+        let ratio = luminance(*tint) / luminance(self.tint);
+        out.values[3] *= ratio * ratio;
+        Some(out)
+    }
 }
 
 /// A plane through estimates.
@@ -52,10 +77,10 @@ pub(super) struct Moments {
 }
 
 impl Moments {
-    /// Adds an estimate of a microlens so many microlenses down and to the right.
+    /// Adds an estimate of a microlens so many microlenses down and to the right, with its weight times `factor`.
     #[inline(always)]
-    pub fn add(&mut self, window: &Window, apart: [f32; 2]) {
-        let weight = window.weight;
+    pub fn add(&mut self, window: &Window, apart: [f32; 2], factor: f32) {
+        let weight = window.weight * factor;
         let [y, x] = [apart[0] + window.offset[0], apart[1] + window.offset[1]];
         let [wy, wx] = [weight * y, weight * x];
         self.weight += weight;

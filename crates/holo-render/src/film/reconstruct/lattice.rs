@@ -39,7 +39,6 @@ pub(crate) use run::LatticeReconstruction;
 
 use self::blocks::Blocks;
 use super::cells::{MAX_VARIANCE, Sums};
-use super::choice::LENSES;
 use super::{REACH, SMOOTHED};
 use crate::film::guides::luminance;
 
@@ -48,6 +47,9 @@ const NO_LENS: u32 = u32::MAX;
 
 /// The spots of microlenses of two types are comparable if one is at most this many times as wide as the other.
 const MAX_SPOT_RATIO: f32 = 1.25;
+
+/// Microlenses on each side over which evidence is averaged.
+const LENSES: usize = 2;
 
 /// Neighboring microlenses in any direction on which a pixel depends.
 const HALO: usize = SMOOTHED + LENSES + REACH;
@@ -142,6 +144,7 @@ impl Source {
             variance: self.variance.min(MAX_VARIANCE) * self.samples * self.samples,
             weight: self.samples,
             views: [0.0; 2],
+            tint: [self.samples; 3],
         }
     }
 }

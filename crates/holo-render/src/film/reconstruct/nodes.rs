@@ -1,4 +1,4 @@
-//! Nodes: the pixels at which the light field is estimated: of n views along an axis about the square root of n.
+//! Nodes: the pixels at which the light field is estimated: of n views along an axis about half the square root of n.
 //!
 //! A node takes the [cells](super::cells) that see its point of the scene: of its own microlens, and, where the image moves
 //! from view to view, of others along the disparity. Their means over nested windows of views are its first estimates
@@ -42,7 +42,7 @@ impl NodeViews {
     /// Of this many rows and columns of views.
     pub fn new(views: [usize; 2]) -> Self {
         let axis = |views: usize| {
-            let count = (views as f64).sqrt().ceil() as usize;
+            let count = ((views as f64).sqrt() / 2.0).ceil().max(3.0).min(views as f64) as usize;
             (0..count).map(|k| ((2 * k + 1) * views / count - 1) / 2).collect()
         };
         Self { views, axes: views.map(axis) }
@@ -73,6 +73,13 @@ impl NodeViews {
     /// The number of nodes behind a microlens.
     pub fn count(&self) -> usize {
         self.axes[0].len() * self.axes[1].len()
+    }
+
+    /// A node and those beside it.
+    pub fn around(&self, node: usize) -> impl Iterator<Item = usize> {
+        let [rows, columns] = [0, 1].map(|axis| self.axes[axis].len());
+        let near = |k: usize, count: usize| k.saturating_sub(1)..(k + 2).min(count);
+        near(node / columns, rows).flat_map(move |row| near(node % columns, columns).map(move |k| row * columns + k))
     }
 
     /// The view of a node.
@@ -206,7 +213,9 @@ pub(super) fn gather(
     for k in wanted {
         let all = &sums[k];
         if all.weight > 0.0 {
-            out[k] = Window { values: all.means(), offset: offsets[k].map(|sum| sum / all.weight), weight: all.weight };
+            let offset = offsets[k].map(|sum| sum / all.weight);
+            let tint = all.tint.map(|sum| sum / all.weight);
+            out[k] = Window { values: all.means(), offset, weight: all.weight, tint };
         }
     }
     out

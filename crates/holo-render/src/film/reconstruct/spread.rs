@@ -66,7 +66,9 @@ impl Kernel for SpreadLine<'_> {
         let mut means = vec![Mean::default(); along_s.len()];
         let farthest = self.steps.views.farthest_movement(&self.grid);
         for u in 0..lens_columns {
-            if self.steps.cells.row(self.place[0])[u].is_still(farthest) || self.color.is_none() {
+            let is_still =
+                self.steps.cells.row(self.place[0])[u].is_still(farthest) && !self.has_sharp_nodes(u, &places);
+            if is_still || self.color.is_none() {
                 self.own_nodes(u, &places, &mut means);
             } else {
                 self.any_nodes(u, &places);
@@ -76,6 +78,19 @@ impl Kernel for SpreadLine<'_> {
 }
 
 impl SpreadLine<'_> {
+    /// Whether pixels between the rows of nodes of a line have windows of their own.
+    #[inline(always)]
+    fn has_sharp_nodes(&self, u: usize, places: &Places) -> bool {
+        let views = &self.steps.views;
+        let columns = views.along(1).len();
+        let nodes = &self.steps.finished.row(self.place[0])[u * views.count()..][..views.count()];
+        places
+            .rows
+            .nodes
+            .iter()
+            .any(|row| nodes[row * columns..][..columns].iter().any(|node| self.steps.has_own_windows(node.level, 0.0)))
+    }
+
     /// The pixels behind a microlens that take their light from its own nodes: nothing there moves by half a pixel between
     /// a pixel and a node.
     #[inline(always)]
@@ -110,7 +125,7 @@ impl SpreadLine<'_> {
             let [a, b] = between.weights;
             self.error[place] = (a * left.error + b * right.error).max(0.0).sqrt();
             let Some(colors) = &mut self.color else { continue };
-            let [_, disparity, samples] = self.guides[place];
+            let [_, disparity, samples, _] = self.guides[place];
             let mut value = [0.0; 3];
             for c in 0..3 {
                 let mean = a * left.color[c] + b * right.color[c];
@@ -134,9 +149,10 @@ impl SpreadLine<'_> {
         let rows = places.rows;
         for (s, between) in places.columns.iter().enumerate() {
             let place = u * places.columns.len() + s;
-            let [_, disparity, samples] = self.guides[place];
-            let (mut error, mut level) = (0.0, 0.0);
-            let (mut sum, mut accepted) = ([0.0f32; 3], 0.0f32);
+            let [_, disparity, samples, _] = self.guides[place];
+            // Of the nodes behind the microlens, and of those that show the same.
+            let (mut error, mut level, mut seen) = (0.0, 0.0, [0.0f32; 2]);
+            let (mut sum, mut accepted, mut moved) = ([0.0f32; 3], 0.0f32, 0.0f32);
             for (i, k) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                 let weight = rows.weights[i] * between.weights[k];
                 if weight == 0.0 {
@@ -151,6 +167,7 @@ impl SpreadLine<'_> {
                     across * (along_s[between.nodes[k]] as f32 - s as f32),
                 ];
                 let shift = away.map(|away| disparity * away);
+                moved = moved.max(shift[0].abs()).max(shift[1].abs());
                 let nearest = shift.map(|shift| -shift.round_ties_even());
                 if !is_within(nearest[0].abs().max(nearest[1].abs()), SPREAD_REACH as f32) {
                     continue;
@@ -166,15 +183,20 @@ impl SpreadLine<'_> {
                 }
                 let offset = [0, 1].map(|axis| -shift[axis] - nearest[axis]);
                 let Finished { color, gradient, .. } = found;
+                seen[0] += weight * found.error;
+                seen[1] += weight * found.level;
                 for c in 0..3 {
                     sum[c] += weight * (color[c] + gradient[0][c] * offset[0] + gradient[1][c] * offset[1]);
                 }
                 accepted += weight;
             }
+            if accepted > 0.0 {
+                [error, level] = seen.map(|sum| sum / accepted);
+            }
             self.error[place] = error.max(0.0).sqrt();
             let Some(colors) = &mut self.color else { continue };
             let mut value = sum.map(|sum| sum / accepted);
-            if accepted == 0.0 || self.steps.has_own_windows(level) {
+            if accepted == 0.0 || self.steps.has_own_windows(level, moved) {
                 let alone = self.steps.alone(&self.grid, [v, u, t, s], disparity, level);
                 let node = rows.nodes[0] * along_s.len() + between.nodes[0];
                 let other = if accepted > 0.0 { value } else { own_nodes[node].color };

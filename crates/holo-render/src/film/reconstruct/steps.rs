@@ -16,6 +16,8 @@ pub(super) struct Steps {
     pub views: NodeViews,
     /// The number of windows.
     windows: usize,
+    /// The level of the first window that reaches from a node to the next.
+    first_wide: usize,
     pub cells: Rows<Cells>,
     nodes: Rows<Node>,
     evidence: Rows<(Planes, Evidence)>,
@@ -50,7 +52,7 @@ struct ToEvidence<'a>(&'a Field<'a>, &'a Rows<Cells>, &'a Rows<Node>);
 #[derive(Clone, Copy)]
 struct ToColumns<'a>(&'a Rows<(Planes, Evidence)>);
 
-/// Chooses among this many levels, from such columns of evidence of the neighbors on both sides too.
+/// Chooses among this many levels, from such columns of evidence of the neighbors on both sides, and of the nodes around.
 #[derive(Clone, Copy)]
 struct ToChoices<'a>(&'a [Evidence], usize);
 
@@ -62,10 +64,14 @@ impl Steps {
     /// Nothing is found yet; `first` is the first row that will be reconstructed.
     pub fn new(shape: [usize; 4], first: usize) -> Self {
         let views = [shape[2], shape[3]];
+        let windows = nodes::window_count(views);
+        let [down, across] = NodeViews::new(views).farthest();
+        let farthest = down.max(across);
         let starting = |step: usize| first.saturating_sub(AHEAD[step]);
         Self {
             views: NodeViews::new(views),
-            windows: nodes::window_count(views),
+            windows,
+            first_wide: (0..windows).find(|&k| nodes::window(k, windows).0 >= farthest as f32).unwrap_or(0) + 1,
             cells: Rows::starting_at(starting(4)),
             nodes: Rows::starting_at(starting(3)),
             evidence: Rows::starting_at(starting(2)),
@@ -77,7 +83,7 @@ impl Steps {
     /// Finds what the pixels of row `v` need, and forgets what only those before it did.
     pub fn advance(&mut self, field: &Field, v: usize, filters: bool) {
         let [lens_rows, lenses, ..] = field.grid.shape;
-        let Self { views, windows, cells, nodes, evidence, choices, finished } = self;
+        let Self { views, windows, cells, nodes, evidence, choices, finished, .. } = self;
         let (views, windows) = (&*views, *windows);
         let end = |step: usize| (v + AHEAD[step] + 1).min(lens_rows);
         let levels = if filters { choice::levels(windows) } else { 1 };
@@ -98,9 +104,11 @@ impl Steps {
         finished.forget_before(v.saturating_sub(AHEAD[0]));
     }
 
-    /// Whether pixels at a level have windows of their own where the image moves: it is sharper there than nodes are dense.
-    pub fn has_own_windows(&self, level: f32) -> bool {
-        level < self.windows as f32
+    /// Whether pixels at a level, whose nodes see its point `moved` px away, have windows of their own: these are smaller than
+    /// the distance of nodes, or the point lies elsewhere between microlenses than that of a node, and light is not smooth.
+    #[inline(always)]
+    pub fn has_own_windows(&self, level: f32, moved: f32) -> bool {
+        level < self.first_wide as f32 || moved > 0.25 && level < self.windows as f32
     }
 
     /// The light of a pixel from windows of its own, at about this level or the next with samples; `None` without any.
@@ -169,11 +177,12 @@ impl Kernel for OfLens<'_, ToEvidence<'_>> {
 
     #[inline(always)]
     fn run(self) -> Vec<(Planes, Evidence)> {
-        let (ToEvidence(_, _, nodes), [v, u]) = (self.step, self.lens);
+        let (ToEvidence(field, _, nodes), [v, u]) = (self.step, self.lens);
         let count = self.views.count();
         let mut out = Vec::with_capacity(count);
         for node in 0..count {
-            let planes = estimate::planes(nodes, [v, u], (node, count), self.lenses, self.windows);
+            let planes =
+                estimate::planes(nodes, [v, u], (node, count), self.lenses, (self.windows, field.grid.infinite));
             let own = &nodes.row(v)[u * count + node];
             let mut evidence = Evidence::NONE;
             for witness in [self.witness(node, false), self.witness(node, true)].into_iter().flatten() {
@@ -190,7 +199,7 @@ impl OfLens<'_, ToEvidence<'_>> {
     #[inline(always)]
     fn witness(&self, node: usize, is_between: bool) -> Option<Witness> {
         let (ToEvidence(field, cells, _), [v, u]) = (self.step, self.lens);
-        let Grid { shape, movement } = field.grid;
+        let Grid { shape, movement, .. } = field.grid;
         let at = self.views.view(node);
         let mut view = at;
         if is_between {
@@ -205,7 +214,7 @@ impl OfLens<'_, ToEvidence<'_>> {
         let [t, s] = view;
         let (colors, guides) = field.line(v, t);
         let place = u * shape[3] + s;
-        let [_, disparity, samples] = guides[place];
+        let [_, disparity, samples, _] = guides[place];
         let offset = [0, 1].map(|axis| movement[axis] * disparity * (view[axis] as f32 - at[axis] as f32));
         if !is_within(offset[0].abs().max(offset[1].abs()), 0.5) {
             return None;
@@ -258,7 +267,7 @@ impl Kernel for OfLens<'_, ToChoices<'_>> {
         for node in 0..count {
             let mut near = Evidence::NONE;
             for column in u.saturating_sub(LENSES)..(u + LENSES + 1).min(self.lenses) {
-                near.merge(&columns[column * count + node]);
+                self.views.around(node).for_each(|other| near.merge(&columns[column * count + other]));
             }
             out.push(near.choose(levels, &observations));
         }

@@ -3,6 +3,7 @@ use super::nodes::{WINDOW_COUNT, gather, window};
 use super::rows::Rows;
 use super::*;
 use crate::film::guides::luminance;
+use crate::film::tint;
 use crate::sampling::{self, Purpose};
 use crate::simd::LANES;
 
@@ -29,7 +30,8 @@ impl Synthetic {
                         let half = |x: f32| (x - 0.5) * 12.0f32.sqrt() * noise * 2.0f32.sqrt() * expected;
                         let radiance = expected + (half(a) + half(b)) / 2.0;
                         color.extend([radiance, 0.5 * radiance, 2.0 * radiance]);
-                        guides.extend([luminance([1.0, 0.5, 2.0]) * (half(a) - half(b)) / 2.0, disparity, 4.0]);
+                        let difference = luminance([1.0, 0.5, 2.0]) * (half(a) - half(b)) / 2.0;
+                        guides.extend([difference, disparity, 4.0, tint::pack([0.5; 3])]);
                     }
                 }
             }
@@ -46,6 +48,7 @@ impl Synthetic {
             color: &mut color,
             guides: &self.guides,
             movement: [1.0; 2],
+            infinite: -1.0,
             filters: true,
             replaces: true,
             rows,
@@ -165,7 +168,7 @@ fn gathering_is_its_definition() {
             let [jump, jitter] = uniform_pair(seed, number as u32);
             guides[1] = speed * (1.0 + 0.02 * jitter) + if jump > 0.8 && seed % 2 == 1 { 0.4 } else { 0.0 };
         }
-        let grid = Grid { shape, movement: [0.5, 1.0] };
+        let grid = Grid { shape, movement: [0.5, 1.0], infinite: -1.0 };
         let field = Field { grid, color: &synthetic.color, guides: &synthetic.guides };
         let mut cells = Rows::starting_at(0);
         cells.extend_to(shape[0], |v| (0..shape[1]).map(|u| Cells::new(&field, v, u)).collect());

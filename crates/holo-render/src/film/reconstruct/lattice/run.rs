@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use super::super::SMOOTHED;
 use super::super::cells::Sums;
-use super::super::choice::{Choice, Evidence, LENSES, LEVELS};
+use super::super::choice::{Choice, Evidence, LEVELS};
+use super::LENSES;
 use super::blocks::Blocks;
 use super::gather::{WINDOW_COUNT, gather};
 use super::{Lattice, Source};
