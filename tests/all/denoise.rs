@@ -10,6 +10,7 @@ use holo_render::{
     Views,
 };
 use holo_scene::gallery;
+use ndarray::{ArrayView1, ArrayView3, Axis};
 
 /// A scene of the gallery, 24 x 24 views of 18 x 12 pixels. Points move by up to `movement_px` from view to view.
 fn prepared(name: &str, movement_px: f64) -> (Renderer, Request) {
@@ -29,8 +30,15 @@ fn color(rendered: &Rendered) -> &LightFieldOwned<f32> {
     rendered.color.as_ref().expect("an image")
 }
 
+/// The luminance of each pixel of a view.
+fn luminances(view: ArrayView3<f32>) -> Vec<f64> {
+    let weights = [0.2126, 0.7152, 0.0722];
+    let luminance = |pixel: ArrayView1<f32>| pixel.iter().zip(weights).map(|(&x, weight)| f64::from(x) * weight).sum();
+    view.lanes(Axis(2)).into_iter().map(luminance).collect()
+}
+
 /// Of some views, at the corners and in the middle: the mean relative squared error without the worst pixel of a hundred,
-/// and the median relative error as that of a normal distribution.
+/// and the median relative error of the luminance as that of a normal distribution.
 fn errors(renderer: &Renderer, request: &Request, images: &[&Rendered]) -> Vec<[f64; 2]> {
     let views = [(0, 0), (0, 12), (12, 12), (23, 5), (23, 23)];
     let list = views.iter().map(|&(row, column)| ViewIndex { row, column }).collect();
@@ -50,7 +58,9 @@ fn errors(renderer: &Renderer, request: &Request, images: &[&Rendered]) -> Vec<[
             let found = color(rendered).view(t, s).expect("a view");
             let bright = exact.iter().map(|&x| f64::from(x).powi(2)).sum::<f64>() / exact.len() as f64;
             let pairs = exact.iter().zip(found).map(|(&exact, &found)| (f64::from(exact), f64::from(found)));
-            relative.extend(pairs.clone().map(|(exact, found)| (found / exact - 1.0).abs()));
+            relative.extend(
+                luminances(exact).into_iter().zip(luminances(found)).map(|(exact, found)| (found / exact - 1.0).abs()),
+            );
             let mut errors: Vec<f64> =
                 pairs.map(|(exact, found)| (found - exact).powi(2) / (exact * exact + 0.01 * bright)).collect();
             errors.sort_by(f64::total_cmp);

@@ -79,9 +79,8 @@ pub fn reconstruct(
     error: Option<&mut [f32]>,
 ) {
     let movement = [1.0; 2];
-    let infinite = f32::NEG_INFINITY;
     let rows = 0..shape[0];
-    let all = Reconstruction { shape, color, guides, movement, infinite, filters: true, replaces: true, rows, error };
+    let all = Reconstruction { shape, color, guides, movement, filters: true, replaces: true, rows, error };
     renderer.install(|| all.run(|| true));
 }
 

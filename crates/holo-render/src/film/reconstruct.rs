@@ -77,8 +77,6 @@ pub(crate) struct Reconstruction<'a> {
     pub guides: &'a [f32],
     /// Movement between vertically and between horizontally adjacent views, in multiples of the disparity.
     pub movement: [f32; 2],
-    /// The disparity of what is infinitely far away.
-    pub infinite: f32,
     /// Whether the error is that of reconstructed color; otherwise that of the samples, which then stay.
     pub filters: bool,
     /// Whether color is replaced; otherwise only its error is estimated.
@@ -96,8 +94,6 @@ struct Grid {
     shape: [usize; 4],
     /// Movement between vertically and between horizontally adjacent views, in multiples of the disparity.
     movement: [f32; 2],
-    /// The disparity of what is infinitely far away.
-    infinite: f32,
 }
 
 /// The samples as they were rendered.
@@ -126,7 +122,7 @@ impl Reconstruction<'_> {
     pub fn run(mut self, advance: impl Fn() -> bool) -> ErrorDistribution {
         let [_, lens_columns, view_rows, view_columns] = self.shape;
         let width = lens_columns * view_columns;
-        let grid = Grid { shape: self.shape, movement: self.movement, infinite: self.infinite };
+        let grid = Grid { shape: self.shape, movement: self.movement };
         let mut steps = Steps::new(self.shape, self.rows.start);
         let mut distribution = ErrorDistribution::default();
         let replaces = self.replaces && self.filters;

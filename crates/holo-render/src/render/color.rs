@@ -149,7 +149,6 @@ impl ColorFields {
             color: memory(&mut self.color)?,
             guides: memory(guides)?,
             movement: [ratio.vertical() as f32, ratio.horizontal() as f32],
-            infinite: disparity(request.rig).from_depth_m(f64::INFINITY) as f32,
             filters: request.denoise == Denoise::Views,
             replaces,
             rows,

@@ -25,7 +25,11 @@ pub(super) const LENSES: usize = 1;
 /// Standard errors above which a difference counts as bias.
 const STANDARD_ERRORS: f32 = 2.5;
 
-/// The share of the squared luminance around that is added to that of a place: errors are relative where there is light.
+/// The share of the luminance around in that to which the errors of a place are relative: a place that is darker than the ones
+/// around, or found so by chance, does not choose for all of them.
+const AROUND: f32 = 0.5;
+
+/// That share in the luminance to which the estimated error of a pixel is relative: where there is no light it is not infinite.
 const FLOOR: f32 = 0.01;
 
 /// The pairs of levels, the smaller first.
@@ -63,6 +67,19 @@ const fn pair(smaller: usize, larger: usize) -> usize {
     larger * (larger - 1) / 2 + smaller
 }
 
+/// The root of the mean square of a luminance and that around it, which has this share. (Squares may exceed f32.)
+#[inline(always)]
+fn mixed(own: f32, around: f32, share: f32) -> f32 {
+    ((1.0 - share).sqrt() * own).hypot(share.sqrt() * around).max(f32::MIN_POSITIVE)
+}
+
+/// The squared error of a place relative to its own luminance, from one that is relative to that of what evidence there is.
+#[inline(always)]
+pub(super) fn relative_to_own(error: f32, own: f32, around: f32) -> f32 {
+    let ratio = mixed(own, around, AROUND) / mixed(own, around, FLOOR);
+    error * ratio * ratio
+}
+
 impl Evidence {
     /// Nothing.
     pub const NONE: Self = Self {
@@ -83,8 +100,7 @@ impl Evidence {
         for estimate in estimates[..levels].iter().flatten() {
             bright = estimate[0];
         }
-        // Squares may exceed f32.
-        let scale = 1.0 / bright.hypot(FLOOR.sqrt() * around).max(f32::MIN_POSITIVE);
+        let scale = 1.0 / mixed(bright, around, AROUND);
         for larger in 0..levels {
             let Some([value, noise]) = estimates[larger] else { continue };
             if !(compares && larger == 0) {

@@ -6,8 +6,16 @@ use super::fit::{Moments, Plane, RADII};
 use super::nodes::Node;
 use super::rows::Rows;
 
-/// The planes of a node, by radius.
-pub(super) type Planes = [Plane; RADII.len()];
+/// What the nodes around one tell.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Planes {
+    /// By radius.
+    fits: [Plane; RADII.len()],
+    /// The change of the color per microlens down and to the right.
+    gradient: [[f32; 3]; 2],
+    /// The mean luminance, whatever they show.
+    around: f32,
+}
 
 /// A node whose level is chosen.
 #[derive(Clone, Copy, Debug)]
@@ -22,56 +30,6 @@ pub(super) struct Finished {
     pub error: f32,
 }
 
-/// The surface at a node: its disparity, which of a plane changes evenly from microlens to microlens.
-struct Surface {
-    disparity: f32,
-    change: [f32; 2],
-    /// The squared difference from it that another surface has.
-    tolerance: f32,
-}
-
-/// The relative difference of the inverse depth that another surface has.
-const OTHER_SURFACE: f32 = 0.02;
-
-impl Surface {
-    #[inline(always)]
-    fn around(
-        nodes: &Rows<Node>,
-        [v, u]: [usize; 2],
-        (node, per_lens): (usize, usize),
-        lens_columns: usize,
-        infinite: f32,
-    ) -> Self {
-        let at = |row: usize, column: usize| nodes.row(row)[column * per_lens + node].disparity;
-        let disparity = at(v, u);
-        let rows = nodes.near(v, 1);
-        let above = if rows.start < v { disparity - at(v - 1, u) } else { f32::INFINITY };
-        let below = if rows.end > v + 1 { at(v + 1, u) - disparity } else { f32::INFINITY };
-        let left = if u > 0 { disparity - at(v, u - 1) } else { f32::INFINITY };
-        let right = if u + 1 < lens_columns { at(v, u + 1) - disparity } else { f32::INFINITY };
-        // An edge lies on one side.
-        let smaller = |a: f32, b: f32| if a.abs() < b.abs() { a } else { b };
-        let change = [smaller(above, below), smaller(left, right)].map(|x| if x.is_finite() { x } else { 0.0 });
-        let tolerance = OTHER_SURFACE * (disparity - infinite);
-        Self { disparity, change, tolerance: tolerance * tolerance }
-    }
-
-    /// How far a node so many microlenses down and to the right is on the surface: 0 to 1.
-    #[inline(always)]
-    fn part(&self, disparity: f32, [down, across]: [f32; 2]) -> f32 {
-        let apart = disparity - self.disparity - self.change[0] * down - self.change[1] * across;
-        let part = 1.0 - apart * apart / self.tolerance;
-        // Also where disparities are no numbers.
-        if part > 0.0 {
-            part * part
-        } else if apart == 0.0 || !self.tolerance.is_finite() {
-            1.0
-        } else {
-            0.0
-        }
-    }
-}
-
 /// Fits planes through the nodes around node number `node` of `per_lens` behind microlens (v, u) of so many columns.
 #[inline(always)]
 pub(super) fn planes(
@@ -79,14 +37,14 @@ pub(super) fn planes(
     [v, u]: [usize; 2],
     (node, per_lens): (usize, usize),
     lens_columns: usize,
-    (count, infinite): (usize, f32),
+    count: usize,
 ) -> Planes {
     let mut out = Planes::default();
     let (mut moments, mut colors) = (Moments::default(), Moments::default());
     let mut inside = 0;
     let own = &nodes.row(v)[u * per_lens + node];
-    let own_tint = own.windows[count - 1].tint;
-    let surface = Surface::around(nodes, [v, u], (node, per_lens), lens_columns, infinite);
+    let near = own.near(count);
+    let own_tint = (near.weight > 0.0).then_some(near.tint);
     for (k, &radius) in RADII.iter().enumerate() {
         for row in nodes.near(v, radius) {
             let line = nodes.row(row);
@@ -100,19 +58,18 @@ pub(super) fn planes(
                 if k == 0 {
                     colors.add(window, apart, 1.0);
                 }
-                let part = surface.part(line[column * per_lens + node].disparity, apart);
-                if part > 0.0
-                    && let Some(window) = window.tinted(&own_tint)
-                {
-                    moments.add(&window, apart, part);
+                let tinted = own_tint.map_or(Some((*window, 1.0)), |tint| window.tinted(&tint));
+                if let Some((window, alike)) = tinted {
+                    moments.add(&window, apart, alike);
                 }
             }
         }
         inside = radius;
-        out[k] = moments.plane_at([0.0; 2]);
+        out.fits[k] = moments.plane_at([0.0; 2]);
     }
     // What lies beside the point has the change of color, with that of the tint.
-    out[0].gradient = colors.plane_at([0.0; 2]).gradient;
+    out.gradient = colors.plane_at([0.0; 2]).gradient;
+    out.around = luminance(colors.mean());
     out
 }
 
@@ -120,7 +77,7 @@ pub(super) fn planes(
 #[inline(always)]
 fn values(node: &Node, planes: &Planes, count: usize, level: usize) -> Option<[f32; 4]> {
     if level > count + 1 {
-        let plane = &planes[level - count - 2];
+        let plane = &planes.fits[level - count - 2];
         return (plane.weight > 0.0).then_some(plane.values);
     }
     // The trend has more noise than the mean of all views, and less than other windows.
@@ -134,10 +91,17 @@ fn values(node: &Node, planes: &Planes, count: usize, level: usize) -> Option<[f
     if window.weight == 0.0 {
         return None;
     }
-    let mut out = window.values;
+    let (mut out, mut offset) = (window.values, window.offset);
+    if level == count + 1 {
+        // The light of all views on the surface of those near the node, whose texture is the one seen there.
+        let near = node.near(count);
+        if let Some((window, _)) = window.tinted(&near.tint) {
+            (out, offset) = (window.values, near.offset);
+        }
+    }
     for c in 0..3 {
         // From where the samples lie to the point.
-        out[c] -= planes[0].gradient[0][c] * window.offset[0] + planes[0].gradient[1][c] * window.offset[1];
+        out[c] -= planes.gradient[0][c] * offset[0] + planes.gradient[1][c] * offset[1];
     }
     Some(out)
 }
@@ -162,15 +126,14 @@ pub(super) fn add_evidence(out: &mut Evidence, node: &Node, planes: &Planes, wit
     let mut estimates: [Option<Estimate>; LEVELS] = [None; LEVELS];
     estimates[0] = witness.seen;
     let [y, x] = witness.offset;
-    let [down, across] = planes[0].gradient.map(luminance);
+    let [down, across] = planes.gradient.map(luminance);
     let first = if witness.is_between && !witness.is_still { count } else { 1 };
     for level in first..choice::levels(count) {
         if let Some([r, g, b, noise]) = values(node, planes, count, level) {
             estimates[level] = Some([luminance([r, g, b]) + down * y + across * x, noise]);
         }
     }
-    let [r, g, b, _] = planes[RADII.len() - 1].values;
-    out.add(&estimates, choice::levels(count), luminance([r, g, b]), witness.is_between);
+    out.add(&estimates, choice::levels(count), planes.around, witness.is_between);
 }
 
 /// A node at its level.
@@ -190,7 +153,8 @@ pub(super) fn finish(node: &Node, planes: &Planes, choice: Choice, count: usize)
     for c in 0..3 {
         color[c] = if part > 0.0 { low[c] + (high[c] - low[c]) * part } else { low[c] };
     }
-    Finished { disparity: node.disparity, color, gradient: planes[0].gradient, level, error: choice.error }
+    let error = choice::relative_to_own(choice.error, luminance(color).max(0.0), planes.around);
+    Finished { disparity: node.disparity, color, gradient: planes.gradient, level, error }
 }
 
 /// How many independent observations a node is at each level.

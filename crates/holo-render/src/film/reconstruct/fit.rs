@@ -33,9 +33,11 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// What it would be on a surface of another tint; `None` if that differs by more than [`MAX_TINT_RATIO`].
+    /// What it would be on a surface of another tint, and its part, 0 to 1: the square of the ratio of the tints, as the noise
+    /// of darker surfaces grows with it, and brighter ones may differ in more. `None` if that is more than
+    /// [`MAX_TINT_RATIO`].
     #[inline(always)]
-    pub fn tinted(&self, tint: &[f32; 3]) -> Option<Self> {
+    pub fn tinted(&self, tint: &[f32; 3]) -> Option<(Self, f32)> {
         let mut out = *self;
         for c in 0..3 {
             let ratio = tint[c] / self.tint[c];
@@ -46,7 +48,8 @@ impl Window {
         }
         let ratio = luminance(*tint) / luminance(self.tint);
         out.values[3] *= ratio * ratio;
-        Some(out)
+        let less = ratio.min(1.0 / ratio);
+        Some((out, less * less))
     }
 }
 
@@ -95,6 +98,12 @@ impl Moments {
             self.mixed[0][k] += wy * window.values[k];
             self.mixed[1][k] += wx * window.values[k];
         }
+    }
+
+    /// The mean of the estimates.
+    #[inline(always)]
+    pub fn mean(&self) -> [f32; 3] {
+        self.values.map(|sum| if self.weight > 0.0 { sum / self.weight } else { 0.0 })
     }
 
     /// The plane of least squares, with its values at a place.

@@ -31,6 +31,16 @@ pub(super) struct Node {
     pub trend: Window,
 }
 
+impl Node {
+    /// The window that tells what the surface is at the node: its texture may move by a pixel from one end of all views to the
+    /// other.
+    #[inline(always)]
+    pub fn near(&self, count: usize) -> &Window {
+        let near = if count == WINDOW_COUNT { &self.windows[count - 2] } else { &self.windows[count - 1] };
+        if near.weight > 0.0 { near } else { &self.windows[count - 1] }
+    }
+}
+
 /// The views of the nodes along the two axes, the same behind every microlens.
 #[derive(Clone, Debug)]
 pub(super) struct NodeViews {

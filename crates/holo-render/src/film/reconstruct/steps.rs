@@ -177,12 +177,11 @@ impl Kernel for OfLens<'_, ToEvidence<'_>> {
 
     #[inline(always)]
     fn run(self) -> Vec<(Planes, Evidence)> {
-        let (ToEvidence(field, _, nodes), [v, u]) = (self.step, self.lens);
+        let (ToEvidence(_, _, nodes), [v, u]) = (self.step, self.lens);
         let count = self.views.count();
         let mut out = Vec::with_capacity(count);
         for node in 0..count {
-            let planes =
-                estimate::planes(nodes, [v, u], (node, count), self.lenses, (self.windows, field.grid.infinite));
+            let planes = estimate::planes(nodes, [v, u], (node, count), self.lenses, self.windows);
             let own = &nodes.row(v)[u * count + node];
             let mut evidence = Evidence::NONE;
             for witness in [self.witness(node, false), self.witness(node, true)].into_iter().flatten() {

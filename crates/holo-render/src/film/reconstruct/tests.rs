@@ -48,7 +48,6 @@ impl Synthetic {
             color: &mut color,
             guides: &self.guides,
             movement: [1.0; 2],
-            infinite: -1.0,
             filters: true,
             replaces: true,
             rows,
@@ -168,7 +167,7 @@ fn gathering_is_its_definition() {
             let [jump, jitter] = uniform_pair(seed, number as u32);
             guides[1] = speed * (1.0 + 0.02 * jitter) + if jump > 0.8 && seed % 2 == 1 { 0.4 } else { 0.0 };
         }
-        let grid = Grid { shape, movement: [0.5, 1.0], infinite: -1.0 };
+        let grid = Grid { shape, movement: [0.5, 1.0] };
         let field = Field { grid, color: &synthetic.color, guides: &synthetic.guides };
         let mut cells = Rows::starting_at(0);
         cells.extend_to(shape[0], |v| (0..shape[1]).map(|u| Cells::new(&field, v, u)).collect());

@@ -109,6 +109,7 @@ impl LatticeReconstruction<'_> {
             return Vec::new();
         }
         let nothing = Observed { evidence: Evidence::NONE, counts: [0.0; LEVELS], pixels: 0.0 };
+        let around = luminance(self.mean_of(lens));
         let mut out = vec![nothing; blocks.count()];
         for row in own.rows.clone() {
             let t = lattice.view(own.center[1], row);
@@ -127,7 +128,7 @@ impl LatticeReconstruction<'_> {
                     estimates[level] = Some([luminance([r, g, b]), noise]);
                     block.counts[level] += f64::from(sums.weight);
                 }
-                block.evidence.add(&estimates, levels, 0.0, false);
+                block.evidence.add(&estimates, levels, around, false);
                 block.pixels += 1.0;
             }
         }
