@@ -25,11 +25,11 @@ pub(super) const LENSES: usize = 1;
 /// Standard errors above which a difference counts as bias.
 const STANDARD_ERRORS: f32 = 2.5;
 
-/// The share of the luminance around in that to which the errors of a place are relative: a place that is darker than the ones
-/// around, or found so by chance, does not choose for all of them.
+/// The evidence of a place is relative to its luminance and to that around; the latter has this share of the mean square. So
+/// a place that is dark, or is found dark by chance, does not outweigh its neighbors.
 const AROUND: f32 = 0.5;
 
-/// That share in the luminance to which the estimated error of a pixel is relative: where there is no light it is not infinite.
+/// The same share for the estimated error of a pixel, which is relative to its own luminance; it is finite in the dark.
 const FLOOR: f32 = 0.01;
 
 /// The pairs of levels, the smaller first.
@@ -67,13 +67,13 @@ const fn pair(smaller: usize, larger: usize) -> usize {
     larger * (larger - 1) / 2 + smaller
 }
 
-/// The root of the mean square of a luminance and that around it, which has this share. (Squares may exceed f32.)
+/// The root of the weighted mean square of a luminance and that around it, which has this share. (Squares may exceed f32.)
 #[inline(always)]
 fn mixed(own: f32, around: f32, share: f32) -> f32 {
     ((1.0 - share).sqrt() * own).hypot(share.sqrt() * around).max(f32::MIN_POSITIVE)
 }
 
-/// The squared error of a place relative to its own luminance, from one that is relative to that of what evidence there is.
+/// The squared error of a place relative to its own luminance, from one that is relative as evidence is.
 #[inline(always)]
 pub(super) fn relative_to_own(error: f32, own: f32, around: f32) -> f32 {
     let ratio = mixed(own, around, AROUND) / mixed(own, around, FLOOR);

@@ -33,9 +33,9 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// What it would be on a surface of another tint, and its part, 0 to 1: the square of the ratio of the tints, as the noise
-    /// of darker surfaces grows with it, and brighter ones may differ in more. `None` if that is more than
-    /// [`MAX_TINT_RATIO`].
+    /// The window as a surface of another tint would show it, and the weight it has in a fit there: the square of the ratio
+    /// of the luminances of the tints, at most 1. A darker window has more noise once it is brightened; a brighter one may
+    /// show another material. `None` if a channel differs by more than [`MAX_TINT_RATIO`].
     #[inline(always)]
     pub fn tinted(&self, tint: &[f32; 3]) -> Option<(Self, f32)> {
         let mut out = *self;

@@ -32,8 +32,8 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// The window that tells what the surface is at the node: its texture may move by a pixel from one end of all views to the
-    /// other.
+    /// The window whose tint is that of the node: where there are more than about 20 views, those at most 20 views away,
+    /// because over all views a texture may move by a pixel; otherwise, or without samples there, the window of all views.
     #[inline(always)]
     pub fn near(&self, count: usize) -> &Window {
         let near = if count == WINDOW_COUNT { &self.windows[count - 2] } else { &self.windows[count - 1] };
