@@ -286,15 +286,25 @@ impl Tile {
     /// Reads values in packet order, as [`write`](Self::write) writes them; 0 for lanes without a pixel.
     pub fn read<const C: usize>(&self, field: &ArrayViewMut5<f32>) -> Vec<[[f32; LANES]; C]> {
         let mut packets = vec![[[0.0; LANES]; C]; self.packet_count()];
-        let (grid, size) = (self.packets, self.lanes);
-        for ((v, u, t, s, c), value) in field.indexed_iter() {
-            let at = [v, u, t, s];
-            let [mut packet, mut lane] = [0; 2];
-            for axis in 0..4 {
-                packet = packet * grid[axis] + at[axis] / size[axis];
-                lane = lane * size[axis] + at[axis] % size[axis];
+        let grid = self.packets;
+        let [size_v, size_u, size_t, size_s] = self.lanes;
+        for (v, rows) in field.outer_iter().enumerate() {
+            for (u, elemental) in rows.outer_iter().enumerate() {
+                for (t, row) in elemental.outer_iter().enumerate() {
+                    let first = ((v / size_v * grid[1] + u / size_u) * grid[2] + t / size_t) * grid[3];
+                    let lane = ((v % size_v * size_u + u % size_u) * size_t + t % size_t) * size_s;
+                    let mut put = |s: usize, c: usize, value| packets[first + s / size_s][c][lane + s % size_s] = value;
+                    if let Some(row) = row.as_slice() {
+                        for (s, pixel) in row.chunks_exact(C).enumerate() {
+                            for (c, &value) in pixel.iter().enumerate() {
+                                put(s, c, value);
+                            }
+                        }
+                    } else {
+                        row.indexed_iter().for_each(|((s, c), &value)| put(s, c, value));
+                    }
+                }
             }
-            packets[packet][c][lane] = *value;
         }
         packets
     }
