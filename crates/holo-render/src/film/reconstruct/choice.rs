@@ -4,7 +4,8 @@
 //! The squared error of an estimate is its variance plus the square of its bias. The variance follows from that of the
 //! samples. The bias against a smaller estimate j shows in the difference of the two, whose expected square is
 //! bias^2 + variance_j - variance. Both are averaged over the microlenses around, relative to their luminance. A
-//! difference below two and a half standard errors of that average counts as noise. (The comparison of nested windows is that of
+//! difference below two and a half standard errors of that average counts as noise, where noise is normal, and so does one that single
+//! places make: rare bright samples are not normal. (The comparison of nested windows is that of
 //! Lepski, 1991, and of Goldenshluger and Nemirovski, 1997, known in image processing as the intersection of confidence
 //! intervals.)
 
@@ -24,6 +25,10 @@ pub(super) const LENSES: usize = 1;
 
 /// Standard errors above which a difference counts as bias.
 const STANDARD_ERRORS: f32 = 2.5;
+
+/// The same for the standard error that the places show. Of k places alike among many without a difference it is the mean
+/// over the root of k: one or two of them count as noise, three as bias.
+const RARE: f32 = 1.5;
 
 /// The evidence of a place is relative to its luminance and to that around; the latter has this share of the mean square. So
 /// a place that is dark, or is found dark by chance, does not outweigh its neighbors.
@@ -46,6 +51,8 @@ pub(super) struct Evidence {
     /// Sums of squared differences between two levels, and what noise alone would give.
     difference: [f32; PAIRS],
     noise: [f32; PAIRS],
+    /// Sums of squares of how far a squared difference is from that of noise.
+    spread: [f32; PAIRS],
     /// The weights of the places that have this level, and both levels.
     weights: [f32; LEVELS],
     pair_weights: [f32; PAIRS],
@@ -86,6 +93,7 @@ impl Evidence {
         variance: [0.0; LEVELS],
         difference: [0.0; PAIRS],
         noise: [0.0; PAIRS],
+        spread: [0.0; PAIRS],
         weights: [0.0; LEVELS],
         pair_weights: [0.0; PAIRS],
         pixels: 0.0,
@@ -110,8 +118,10 @@ impl Evidence {
             for smaller in 0..larger {
                 if let Some([other, more]) = estimates[smaller] {
                     let apart = (value - other) * scale;
+                    let expected = (more - noise).max(0.0) * scale * scale;
                     self.difference[pair(smaller, larger)] += apart * apart;
-                    self.noise[pair(smaller, larger)] += (more - noise).max(0.0) * scale * scale;
+                    self.noise[pair(smaller, larger)] += expected;
+                    self.spread[pair(smaller, larger)] += (apart * apart - expected).powi(2);
                     self.pair_weights[pair(smaller, larger)] += 1.0;
                 }
             }
@@ -129,6 +139,7 @@ impl Evidence {
         for k in 0..PAIRS {
             self.difference[k] += other.difference[k];
             self.noise[k] += other.noise[k];
+            self.spread[k] += other.spread[k];
             self.pair_weights[k] += other.pair_weights[k];
         }
     }
@@ -155,10 +166,13 @@ impl Evidence {
                 }
                 let noise = self.noise[pair(smaller, larger)] / weight;
                 let found = self.difference[pair(smaller, larger)] / weight;
-                // Of the mean of squared normal numbers, for the difference and for its expectation.
-                let standard_error = noise * (4.0 / (weight * observations[smaller]).max(1.0)).sqrt();
                 let bias = found - noise;
-                if bias > STANDARD_ERRORS * standard_error {
+                let independent = (weight * observations[smaller]).max(1.0);
+                // Of the mean of squared normal numbers, for the difference and for its expectation.
+                let of_normal = noise * (4.0 / independent).sqrt();
+                let spread = self.spread[pair(smaller, larger)] / weight - bias * bias;
+                let of_places = (spread.max(0.0) / independent).sqrt();
+                if bias > (STANDARD_ERRORS * of_normal).max(RARE * of_places) {
                     error = error.max(variance[larger] + bias);
                 }
             }
@@ -167,5 +181,37 @@ impl Evidence {
             }
         }
         best
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The choice among pixels and one window, whose values are 1; the pixels differ from it by these, and have the variance
+    /// 0.0001.
+    fn chosen(differences: impl Iterator<Item = f32>) -> Choice {
+        let mut all = Evidence::NONE;
+        for difference in differences {
+            let mut estimates = [None; LEVELS];
+            estimates[..2].copy_from_slice(&[Some([1.0 + difference, 1e-4]), Some([1.0, 1e-6])]);
+            all.add(&estimates, 2, 1.0, false);
+        }
+        all.choose(2, &[1.0; LEVELS]).expect("estimates")
+    }
+
+    #[test]
+    fn a_rare_bright_sample_is_noise_and_a_common_difference_is_bias() {
+        let noise = |k: usize| if k.is_multiple_of(2) { 0.01 } else { -0.01 };
+        let window = chosen((0..81).map(noise));
+        assert_eq!(window.level, 1.0);
+        assert!((window.error - 1e-6).abs() < 1e-8, "{window:?}");
+        // One pixel that is twice as bright: the mean of the squares is 120 times the variance.
+        let rare = chosen((0..81).map(|k| if k == 40 { 1.0 } else { noise(k) }));
+        assert_eq!(rare, window);
+        // Every third pixel is brighter by a tenth: a highlight, an edge.
+        let bias = chosen((0..81).map(|k| if k % 3 == 0 { 0.1 } else { noise(k) }));
+        assert_eq!(bias.level, 0.0);
+        assert!((bias.error / 1e-4 - 1.0).abs() < 1e-3, "{bias:?}");
     }
 }
