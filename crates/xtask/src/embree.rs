@@ -128,6 +128,12 @@ pub fn library_files(folder: &Path) -> Vec<PathBuf> {
     entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_embree).collect()
 }
 
+/// The library that other programs are told to load by `HOLO_EMBREE_LIB`: what the user named there, or what was fetched.
+pub fn environment() -> Option<(&'static str, PathBuf)> {
+    let named = std::env::var_os("HOLO_EMBREE_LIB").map(PathBuf::from);
+    named.or_else(|| library_files(&folder()).pop()).map(|library| ("HOLO_EMBREE_LIB", library))
+}
+
 /// Every library that the wheel holds: Embree and those that it needs.
 pub fn all_libraries(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };

@@ -17,6 +17,7 @@
 //! package  build each library from its package alone
 //! bench    setup + the benchmarks
 //! wild DIR setup + render every glTF file below DIR, compare with Cycles, write a table into target/wild/
+//! speed OLD setup + two builds of `holo` by turns, programs or commits: what NEW (this one) gains or costs
 //! report   setup + measure speed against error into report/; --peers: beside Mitsuba and Blender
 //! ```
 #![forbid(unsafe_code)]
@@ -36,6 +37,7 @@ mod process;
 mod python;
 mod renderers;
 mod sanitize;
+mod speed;
 mod test;
 mod wild;
 
@@ -45,7 +47,7 @@ use std::process::ExitCode;
 use pip::Availability;
 
 const USAGE: &str = "usage: cargo xtask setup | build | demo | test | dist [--check] | clippy | doc | embree | \
-    fuzz [SECONDS [TARGET..] | corpora] | package | python [PYTEST ARGUMENTS] | blender [--bundle] [--test] | modules | bench | report [--quick] [--peers] [--only TEXT].. [--out DIR] | \
+    fuzz [SECONDS [TARGET..] | corpora] | package | python [PYTEST ARGUMENTS] | blender [--bundle] [--test] | modules | bench | speed OLD [NEW] .. | report [--quick] [--peers] [--only TEXT].. [--out DIR] | \
     sanitize [address] [thread] [miri] | wild DIR [--list FILE]";
 
 fn main() -> ExitCode {
@@ -102,6 +104,10 @@ fn run(arguments: &[String]) -> Result {
                 eprintln!("xtask: no programs to measure against: {why}");
             }
             process::cargo(&[&["bench", "-p", "holo-bench"], strs(rest).as_slice()].concat())
+        }
+        "speed" => {
+            setup()?;
+            speed::run(rest)
         }
         "report" => {
             setup()?;

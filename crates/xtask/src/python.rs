@@ -38,12 +38,7 @@ pub fn test(arguments: &[String]) -> Result {
     let mut pytest = Command::new(python);
     pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).arg(folder().join("tests")).args(arguments);
     pytest.env("PYTHONPATH", path).env("PYTHONDONTWRITEBYTECODE", "1").env("MPLBACKEND", "agg");
-    if std::env::var_os("HOLO_EMBREE_LIB").is_none()
-        && let Some(library) = embree::library_files(&embree::folder()).pop()
-    {
-        pytest.env("HOLO_EMBREE_LIB", library);
-    }
-    process::run(&mut pytest)
+    process::run(pytest.envs(embree::environment()))
 }
 
 /// The package of this checkout, to be named in `PYTHONPATH`.

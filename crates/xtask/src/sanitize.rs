@@ -5,7 +5,6 @@
 //! minutes: not part of the tests. Embree itself is not instrumented. The sanitizers check the calls of Embree: packets
 //! and buffers, their lifetimes, threads that share them.
 
-use std::path::PathBuf;
 use std::process::Command;
 
 use crate::{Result, embree, process, root, target};
@@ -47,10 +46,7 @@ fn instrumented(sanitizer: &str, arguments: &[&str], variable: &str, options: St
         let mut cargo = nightly(sanitizer);
         cargo.args(["test", "--release", "--target", TARGET]).args(arguments).args(of);
         cargo.env("RUSTFLAGS", format!("-Zsanitizer={sanitizer}")).env(variable, &options);
-        if let Some(library) = embree_library() {
-            cargo.env("HOLO_EMBREE_LIB", library);
-        }
-        process::run(&mut cargo)?;
+        process::run(cargo.envs(embree::environment()))?;
     }
     Ok(())
 }
@@ -77,8 +73,4 @@ fn miri() -> Result {
         process::run(&mut miri())?;
     }
     Ok(())
-}
-
-fn embree_library() -> Option<PathBuf> {
-    std::env::var_os("HOLO_EMBREE_LIB").map(PathBuf::from).or_else(|| embree::library_files(&embree::folder()).pop())
 }

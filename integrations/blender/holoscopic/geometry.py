@@ -38,3 +38,11 @@ def rig_of_disparities(low_px, high_px, near_m, far_m, focal_m, sensor_m, pixels
     baseline_m = (high_px - low_px) / (near - far) / (focal_m / sensor_m * pixels)
     inverse = far - low_px / (high_px - low_px) * (near - far)
     return baseline_m, 1.0 / inverse if inverse > 0.0 else math.inf
+
+
+def samples_text(spp):
+    """The text of `--spp`: a whole number, or below 1 the nearest of 1/2, 1/4, ... 1/64 (on a logarithmic scale)."""
+    if spp >= 1.0:
+        return str(round(spp))
+    power = min(round(-math.log2(max(spp, 1 / 64))), 6)
+    return f"1/{2**power}" if power else "1"

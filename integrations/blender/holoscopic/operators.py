@@ -6,9 +6,9 @@ import subprocess
 import tempfile
 
 import bpy
-from bpy.props import BoolProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, FloatProperty, StringProperty
 
-from . import export, load, preferences, program, properties
+from . import export, geometry, load, preferences, program, properties
 
 # Seconds between two looks at the process.
 INTERVAL = 0.2
@@ -23,7 +23,7 @@ class RENDER_OT_holoscopic(bpy.types.Operator):
     sensor: StringProperty(name="Sensor", description="hd, 4k, 8k, uhd8k or WIDTHxHEIGHT; empty: that of the camera")
     views: StringProperty(name="Views", description="COLUMNSxROWS or one number for both; empty: those of the camera")
     lenses: StringProperty(name="Lenses", description="COLUMNSxROWS pixels of a view, instead of a sensor")
-    spp: IntProperty(name="Samples", default=0, min=0, description="0: those of the camera")
+    spp: FloatProperty(name="Samples", default=0, min=0, description="0: those of the camera")
     animation: BoolProperty(name="Animation", description="All frames, each in a folder of its own")
     viewer: BoolProperty(name="Viewer", description="Open the light field in a browser afterwards")
     options: StringProperty(name="Options", description="More options of holo render, such as --seed=3")
@@ -105,7 +105,7 @@ class RENDER_OT_holoscopic(bpy.types.Operator):
         self._folder = self._out / f"frame_{frame:04d}" if self.animation else self._out
         camera = context.scene.camera
         options = plenoptic_options(camera) if camera.data.holoscopic.kind == "PLENOPTIC" else self._rig_options(camera)
-        options["spp"] = self.spp or camera.data.holoscopic.spp
+        options["spp"] = geometry.samples_text(self.spp or camera.data.holoscopic.spp)
         options["no-indirect"] = not camera.data.holoscopic.indirect
         line = program.words(self._program, exported, self._folder, options)
         return program.Run([*line, *self.options.split()])

@@ -71,7 +71,15 @@ class HoloscopicCamera(bpy.types.PropertyGroup):
         ),
     )
     focus_m: FloatProperty(name="Distance", default=3.0, min=0.001, unit="LENGTH")
-    spp: IntProperty(name="Samples", default=16, min=1, soft_max=4096)
+    spp: FloatProperty(
+        name="Samples",
+        default=16,
+        min=1 / 64,
+        soft_max=4096,
+        step=100,
+        precision=2,
+        description="Samples per pixel; below 1, with Denoise, that part of the pixels has one: 1/2, 1/4, ... 1/64",
+    )
     denoise: BoolProperty(name="Denoise", default=True, description="Reduce noise with the samples of neighboring views")
     indirect: BoolProperty(name="Indirect Light", default=True, description="Light between diffuse surfaces")
     directory: StringProperty(name="Output", default="//holoscopic", subtype="DIR_PATH")

@@ -253,10 +253,9 @@ impl Appearance {
     #[inline(always)]
     fn filtered(&self, lookup: &TextureLookup, [u, v]: [f32; 2], footprint: &TextureFootprint) -> Option<[f32; 3]> {
         let texture = &self.textures[lookup.texture];
-        let filter = FootprintFilter::new(footprint.sides, [texture.width, texture.height])?;
-        let center = [u + footprint.to_center[0], v + footprint.to_center[1]];
+        let filter = FootprintFilter::new(footprint, [texture.width, texture.height])?;
         let pyramid = self.pyramids[lookup.texture].get_or_init(|| Pyramid::new(texture, self.srgb));
-        Some(pyramid.sample(texture, self.srgb, center, &filter))
+        Some(pyramid.sample(texture, self.srgb, [u, v], &filter))
     }
 
     /// Samples a texture without color: linear values, 0 to 1.

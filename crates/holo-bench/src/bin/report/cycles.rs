@@ -1,23 +1,26 @@
 //! The reconstruction across views beside Blender's Cycles with and without OpenImageDenoise, on the scenes of the gallery.
 
+use std::ops::Range;
 use std::path::Path;
+use std::time::Instant;
 
-use holo_bench::error::{nine, rgb, squared_error};
+use holo_bench::error::{Images, nine, rgb, squared_error};
 use holo_bench::on_the_paper_sensor;
-use holo_core::{Rig, ViewIndex};
+use holo_core::{LightFieldOwned, Rig, ViewIndex};
 use holo_io::Limits;
+use holo_render::{Denoise, Renderer, Request, SamplesPerPixel, TextureFilter, Views};
 use holo_scene::gallery;
 
 use crate::peers::seconds_for;
-use crate::sharing::{self, Division, geometric_mean, mean};
+use crate::sharing::{self, Division, geometric_mean, image, mean};
 use crate::table::{Table, short};
 use crate::{RunOptions, Section, scripts};
 
 /// The compared views: their numbers among nine.
 const VIEWS: [(usize, &str); 2] = [(4, "center"), (0, "corner")];
 
-/// The lens rows on each side that are rendered too, because the reconstruction reads them.
-const HALO_ROWS: usize = 7;
+/// One of so many pixels has a sample in `holo`.
+const ONE_IN: u32 = 4;
 
 /// The samples of Cycles, and those of them that have columns of their own beside the most: 64.
 const SAMPLES: [u32; 3] = [16, 64, 256];
@@ -26,6 +29,15 @@ const SHOWN: usize = 1;
 /// Those of each of its references: in a quick report, with 100 x 100 views, and with fewer.
 fn reference_samples(options: &RunOptions, division: &Division) -> u32 {
     if options.quick || division.views < 100 { 128 } else { 1024 }
+}
+
+/// The images of `holo`.
+struct Own {
+    /// Of a whole render, divided by the number of views.
+    seconds_per_view: f64,
+    /// The error and the mean radiance of each view, in the lens rows that are compared.
+    errors: [f64; VIEWS.len()],
+    means: [f64; VIEWS.len()],
 }
 
 /// One image of Cycles.
@@ -44,7 +56,7 @@ pub fn section(options: &RunOptions) -> Section {
         "scene",
         "view",
         "mean radiance, Cycles / holo",
-        "holo, 4 samples, denoise views: error",
+        "holo, 1/4 sample, denoise views: error",
         "ms per view",
         "Cycles, most samples: error",
         "ms",
@@ -70,16 +82,15 @@ pub fn section(options: &RunOptions) -> Section {
     Section {
         text: format!(
             "Scenes of the gallery on the 8K sensor of the paper, paths of up to 8 bounces: 100 x 100 views of 79 x 53 \
-             px, and 20 x 20 of 397 x 265; center and a corner. `holo` with {} samples and `--denoise views` is as \
-             in the section before; its time per view is that of all lens rows at the same time per row, divided \
-             by the number of views. Cycles renders a view at a time with the scene kept in memory, up to {} samples, \
+             px, and 20 x 20 of 397 x 265; center and a corner. `holo` with `--spp 1/{ONE_IN} --denoise views` renders \
+             all views together; its time is divided by their number. Cycles renders a view at a time with the scene kept in memory, up to {} samples, \
              without and with OpenImageDenoise (albedo, normals, accurate prefilter). Errors are those of the lens rows \
-             in the middle, as in the section before, each program's against two references of its own (Cycles': {} \
+             in the middle, as in the section before (`holo`'s references have {} samples), each program's against two references of its own (Cycles': {} \
              samples with 100 x 100 views, else {}), because they model some materials and lights differently: the \
              ratio of their mean radiance tells where. Times for the error of `holo` are interpolated between 16 and \
              the most samples, on logarithmic scales; after > where the most do not reach it. Single runs.{missing}",
-            sharing::SAMPLES,
             SAMPLES[SAMPLES.len() - 1],
+            divisions.iter().map(|division| division.reference.to_string()).collect::<Vec<_>>().join(" and "),
             reference_samples(options, &divisions[0]),
             divisions.last().map_or(0, |division| reference_samples(options, division))
         ),
@@ -97,11 +108,11 @@ fn summary(division: &Division, ratios: &mut [(f64, bool)]) -> Option<[String; 3
     let mean = geometric_mean(&ratios.iter().map(|ratio| ratio.0).collect::<Vec<_>>());
     Some([
         format!(
-            "Cycles + OIDN, {0} x {0} views, for the error of holo with {3} samples, denoise views; {1} views of {2} scenes",
+            "Cycles + OIDN, {0} x {0} views, for the error of holo with 1/{ONE_IN} sample, denoise views; {1} views of {2} \
+             scenes",
             division.views,
             ratios.len(),
             division.scenes.len(),
-            sharing::SAMPLES
         ),
         format!(
             "{}{} times as long (geometric mean; {}{} to {}{})",
@@ -125,31 +136,28 @@ fn measure(
     table: &mut Table,
 ) -> Result<Vec<(f64, bool)>, String> {
     let scene = gallery::scene(name).expect("a scene of the gallery");
-    let (_, rig) = on_the_paper_sensor(&scene, division.views);
+    let (renderer, rig) = on_the_paper_sensor(&scene, division.views);
     let size = rig.shape().lenses();
     let rows = division.range(size);
     let list = VIEWS.map(|(number, _)| nine(division.views)[number]);
     let reference = reference_samples(options, division);
     let theirs = cycles(name, &rig, &list, reference, rows.start * size.columns..rows.end * size.columns)?;
-    let own = sharing::measured(options, name, division);
-    let rendered_rows = (division.rows + 2 * HALO_ROWS).min(size.rows);
-    let own_seconds =
-        own.seconds() * size.rows as f64 / rendered_rows as f64 / (division.views * division.views) as f64;
+    let own = own(&renderer, rig, division, &list);
     let mut ratios = Vec::new();
-    for (view, (number, label)) in VIEWS.into_iter().enumerate() {
+    for (view, (_, label)) in VIEWS.into_iter().enumerate() {
         let of = |kind: &str| -> Vec<&Rendered> {
             theirs.iter().filter(|image| image.view == view && image.kind == kind).collect()
         };
         let references = of("reference");
         let [a, b] = [0, 1].map(|k| references[k].pixels.as_slice());
-        let error = own.error(number);
+        let error = own.errors[view];
         let limits = [vec![a.to_vec()], vec![b.to_vec()]];
         let [plain, denoised] = ["off", "oidn"].map(|kind| -> Vec<(f64, f64)> {
             of(kind).iter().map(|image| (image.seconds, squared_error(&image.pixels, &limits, 0))).collect()
         });
         let [plain_ratio, ratio] = [&plain, &denoised].map(|points| {
             let (more, needed) = seconds_for(error, points).expect("measurements");
-            (needed / own_seconds, more)
+            (needed / own.seconds_per_view, more)
         });
         let last = SAMPLES.len() - 1;
         let cells = |point: &(f64, f64)| [short(point.1), short(1e3 * point.0)];
@@ -160,9 +168,9 @@ fn measure(
             format!("{0} x {0}", division.views),
             name.to_owned(),
             label.into(),
-            short((mean(a) + mean(b)) / 2.0 / own.mean[number]),
+            short((mean(a) + mean(b)) / 2.0 / own.means[view]),
             short(error),
-            short(1e3 * own_seconds),
+            short(1e3 * own.seconds_per_view),
             most,
             most_ms,
             some_denoised,
@@ -177,13 +185,41 @@ fn measure(
     Ok(ratios)
 }
 
+/// Renders all views, and references of those that are compared.
+fn own(renderer: &Renderer, rig: Rig, division: &Division, list: &[ViewIndex; VIEWS.len()]) -> Own {
+    let lenses = rig.shape().lenses();
+    let rows = division.range(lenses);
+    let pixels = rows.start * lenses.columns..rows.end * lenses.columns;
+    let request = Request::new(rig).texture_filter(TextureFilter::Off).rows(Some(rows)).samples(division.reference);
+    let references: [Images; 2] = [1, 2].map(|seed| {
+        let request = request.clone().seed(seed).views(Views::List(list.to_vec()));
+        let color = renderer.render(&request, &()).expect("a reference").color.expect("the scene is lit");
+        (0..VIEWS.len()).map(|k| image(&color, 0, k)).collect()
+    });
+    let few = SamplesPerPixel::one_in(ONE_IN).expect("a power of two");
+    let request = Request::new(rig).denoise(Denoise::Views).samples(few);
+    let start = Instant::now();
+    let color: LightFieldOwned<f32> =
+        renderer.render(&request, &()).expect("a render").color.expect("the scene is lit");
+    let seconds_per_view = start.elapsed().as_secs_f64() / (division.views * division.views) as f64;
+    let error = |k: usize| {
+        let found = image(&color, list[k].row, list[k].column);
+        squared_error(&found[pixels.clone()], &references, k)
+    };
+    Own {
+        seconds_per_view,
+        errors: std::array::from_fn(error),
+        means: std::array::from_fn(|k| (mean(&references[0][k]) + mean(&references[1][k])) / 2.0),
+    }
+}
+
 /// Renders the views in Cycles; of its images `part` is kept, a range of pixels.
 fn cycles(
     name: &str,
     rig: &Rig,
     list: &[ViewIndex],
     reference: u32,
-    part: std::ops::Range<usize>,
+    part: Range<usize>,
 ) -> Result<Vec<Rendered>, String> {
     let file = std::env::temp_dir().join(format!("holo-peers-{}-{name}.glb", std::process::id()));
     let bytes = gallery::to_glb(name).expect("a scene of the gallery").map_err(|why| why.to_string())?;
@@ -210,7 +246,7 @@ fn cycles(
 }
 
 /// Parses a line of the script (see `peers/blender_views.py`); `None` for other lines.
-fn parse(line: &str, part: &std::ops::Range<usize>) -> Option<Rendered> {
+fn parse(line: &str, part: &Range<usize>) -> Option<Rendered> {
     let fields: Vec<&str> = line.split('\t').collect();
     let [view, kind, _, seconds, path] = fields[..] else { return None };
     let values = holo_io::read_pfm(Path::new(path), &Limits::default()).ok()?.values;

@@ -21,10 +21,7 @@ mod sharing;
 mod stereo;
 mod table;
 
-use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::rc::Rc;
 use std::time::Instant;
 
 use holo_render::Backend;
@@ -38,8 +35,6 @@ pub struct RunOptions {
     pub rounds: usize,
     /// The available backends, the fastest one first.
     pub engines: Vec<Backend>,
-    /// Scenes that more than one section needs, by the number of views an axis.
-    measured: RefCell<BTreeMap<(usize, String), Rc<sharing::Measured>>>,
 }
 
 /// The results of a section.
@@ -104,12 +99,7 @@ fn main() {
         }
     }
     let start = Instant::now();
-    let options = RunOptions {
-        quick,
-        rounds: if quick { 3 } else { 5 },
-        engines: scenes::engines(),
-        measured: RefCell::default(),
-    };
+    let options = RunOptions { quick, rounds: if quick { 3 } else { 5 }, engines: scenes::engines() };
     if let Some(unknown) =
         only.iter().find(|&text| SECTIONS.iter().all(|(title, _)| !title.to_lowercase().contains(text)))
     {

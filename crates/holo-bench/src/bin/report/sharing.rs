@@ -1,7 +1,6 @@
 //! What views gain from each other: light of their own, path reuse, and reconstruction, on the scenes of the gallery.
 
 use std::ops::Range;
-use std::rc::Rc;
 use std::time::Instant;
 
 use holo_bench::error::{Images, nine, rgb, sorted, squared_error};
@@ -13,7 +12,7 @@ use holo_scene::gallery;
 use crate::table::{Table, short};
 use crate::{RunOptions, Section};
 
-pub const SAMPLES: u32 = 4;
+const SAMPLES: u32 = 4;
 
 /// The views that are compared, and the center among them.
 const VIEWS: usize = 9;
@@ -33,7 +32,7 @@ const SETTINGS: [(&str, Reuse, Denoise); 3] = [
 pub struct Division {
     pub views: usize,
     pub rows: usize,
-    reference: u32,
+    pub reference: u32,
     pub scenes: Vec<String>,
 }
 
@@ -74,7 +73,7 @@ pub fn section(options: &RunOptions) -> Section {
     for division in &divisions {
         let mut gains: [Vec<[f64; 2]>; 3] = Default::default();
         for scene in &division.scenes {
-            for (gains, gain) in gains.iter_mut().zip(add_rows(options, scene, division, &mut table)) {
+            for (gains, gain) in gains.iter_mut().zip(add_rows(scene, division, &mut table)) {
                 gains.push(gain);
             }
         }
@@ -123,11 +122,11 @@ pub fn geometric_mean(values: &[f64]) -> f64 {
 }
 
 /// Adds the rows of a scene; returns, for each setting, the gains in error and in time x error.
-fn add_rows(options: &RunOptions, name: &str, division: &Division, table: &mut Table) -> [[f64; 2]; 3] {
-    let measured = measured(options, name, division);
-    let (first_seconds, first_errors) = measured.settings[0];
+fn add_rows(name: &str, division: &Division, table: &mut Table) -> [[f64; 2]; 3] {
+    let settings = measure(name, division);
+    let (first_seconds, first_errors) = settings[0];
     std::array::from_fn(|k| {
-        let (seconds, errors) = measured.settings[k];
+        let (seconds, errors) = settings[k];
         let corners = sorted(&[0, 2, 6, 8].map(|k| errors[k]));
         let ratios: Vec<f64> = first_errors.iter().zip(&errors).map(|(before, after)| before / after).collect();
         let less = sorted(&ratios)[CENTER];
@@ -147,38 +146,8 @@ fn add_rows(options: &RunOptions, name: &str, division: &Division, table: &mut T
     })
 }
 
-/// A scene in a division of the sensor.
-pub struct Measured {
-    /// The seconds of each setting, and the errors of nine views.
-    settings: [(f64, [f64; VIEWS]); 3],
-    /// The mean radiance of the views.
-    pub mean: [f64; VIEWS],
-}
-
-impl Measured {
-    /// Of the reconstruction.
-    pub fn seconds(&self) -> f64 {
-        self.settings[2].0
-    }
-
-    /// The error of the reconstruction in a view.
-    pub fn error(&self, view: usize) -> f64 {
-        self.settings[2].1[view]
-    }
-}
-
-/// Measures a scene, once for all sections.
-pub fn measured(options: &RunOptions, name: &str, division: &Division) -> Rc<Measured> {
-    let key = (division.views, name.to_owned());
-    if let Some(found) = options.measured.borrow().get(&key) {
-        return Rc::clone(found);
-    }
-    let found = Rc::new(measure(name, division));
-    options.measured.borrow_mut().insert(key, Rc::clone(&found));
-    found
-}
-
-fn measure(name: &str, division: &Division) -> Measured {
+/// The seconds of each setting, and the errors of nine views.
+fn measure(name: &str, division: &Division) -> [(f64, [f64; VIEWS]); SETTINGS.len()] {
     let scene = gallery::scene(name).expect("a scene of the gallery");
     let (renderer, rig) = on_the_paper_sensor(&scene, division.views);
     let rows = division.range(rig.shape().lenses());
@@ -190,16 +159,14 @@ fn measure(name: &str, division: &Division) -> Measured {
         let color = color.expect("the scene is lit");
         (0..VIEWS).map(|k| image(&color, 0, k)).collect::<Images>()
     });
-    let settings = SETTINGS.map(|(_, reuse, denoise)| {
+    SETTINGS.map(|(_, reuse, denoise)| {
         let request = request.clone().reuse(reuse).denoise(denoise);
         let start = Instant::now();
         let color = renderer.render(&request, &()).expect("a render").color.expect("the scene is lit");
         let seconds = start.elapsed().as_secs_f64();
         let images: Images = list.iter().map(|view| image(&color, view.row, view.column)).collect();
         (seconds, std::array::from_fn(|k| squared_error(&images[k], &references, k)))
-    });
-    let mean = std::array::from_fn(|k| (mean(&references[0][k]) + mean(&references[1][k])) / 2.0);
-    Measured { settings, mean }
+    })
 }
 
 /// The mean of all pixels and channels.
@@ -208,6 +175,6 @@ pub fn mean(pixels: &[[f32; 3]]) -> f64 {
 }
 
 /// A view, pixel by pixel.
-fn image(color: &LightFieldOwned<f32>, row: usize, column: usize) -> Vec<[f32; 3]> {
+pub fn image(color: &LightFieldOwned<f32>, row: usize, column: usize) -> Vec<[f32; 3]> {
     color.view(row, column).expect("a view").rows().into_iter().flat_map(|row| rgb(row.iter())).collect()
 }

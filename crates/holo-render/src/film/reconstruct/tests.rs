@@ -2,7 +2,7 @@ use super::cells::{Cells, MAX_PARTING_PX};
 use super::nodes::{WINDOW_COUNT, gather, window};
 use super::rows::Rows;
 use super::*;
-use crate::film::guides::luminance;
+use crate::film::guides::{SAMPLES, TINT, luminance};
 use crate::film::tint;
 use crate::sampling::{self, Purpose};
 use crate::simd::LANES;
@@ -304,6 +304,26 @@ fn few_samples_are_enough() {
         let estimated = median_square(&error);
         assert!((0.4..2.5).contains(&(estimated / after)), "1/{packets}: estimated {estimated}, is {after}");
     }
+}
+
+/// A microlens without any sample shows what its neighbors do, though its own light and tint are unknown.
+#[test]
+fn light_of_neighbors_fills_what_has_no_samples() {
+    let shape = [9, 9, 32, 32];
+    let value = |[v, u, ..]: [usize; 4]| 1.0 + 0.05 * v as f32 - 0.02 * u as f32;
+    let mut field = Synthetic::new(shape, 0.004, 0.3, 8, value).thinned(4);
+    let pixels = 32 * 32;
+    let is_empty = |number: usize| number / 32 % 9 == 4 && number / (32 * 9 * 32) == 4;
+    for number in (0..81 * pixels).filter(|&number| is_empty(number)) {
+        field.color[3 * number..][..3].fill(0.0);
+        (field.guides[number * CHANNELS + SAMPLES], field.guides[number * CHANNELS + TINT]) = (0.0, 0.0);
+    }
+    let (values, _) = field.whole();
+    let expected = value([4, 4, 0, 0]);
+    let empty: Vec<f32> = (0..values.len()).filter(|&number| is_empty(number)).map(|number| values[number]).collect();
+    assert_eq!(empty.len(), pixels);
+    // Eight neighbors with 256 samples of 30 % each have a noise of 0.7 %.
+    assert!(empty.iter().all(|x| (x / expected - 1.0).abs() < 0.03), "{:?} instead of {expected}", &empty[..4]);
 }
 
 /// Pixels without light, and one view, are no division by zero; the largest radiance does not overflow.

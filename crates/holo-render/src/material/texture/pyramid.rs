@@ -3,15 +3,21 @@
 //! The footprint is a parallelogram: what a cell of the pixel sees of the plane of the surface. It is replaced by the
 //! rectangle with the same covariance, and the mean over it by that of a few interpolated texels of a pyramid in
 //! linear light, along the longer side (as in anisotropic filtering of GPUs). Texel size and distance of these taps
-//! are such that the covariance of the filter is that of the footprint, so that an image gets neither sharper nor
-//! blurred to second order.
+//! are such that the covariance of the filter around the center of a footprint is that of the footprint, so that an image
+//! gets neither sharper nor blurred to second order. Around a hit anywhere in the footprint it is [`AROUND_HITS`] times
+//! that: the places of hits alone have the covariance of the footprint, so the image is blurred, less with more samples.
 
 use super::{bilinear, neighbors, sample};
+use crate::material::footprint::TextureFootprint;
 use holo_scene::{Texture, Wrap};
 
 /// The maximum number of taps along a footprint. Longer ones, near a horizon, are averaged over wider texels, which
 /// blurs them across.
 const MAX_TAPS: f32 = 8.0;
+
+/// The covariance of the filter around hits that lie anywhere in their footprint, relative to that of the footprint. White
+/// noise of texels leaves as much noise as with 1 around the centers of footprints.
+const AROUND_HITS: f32 = 1.8;
 
 /// Successively halved images of a texture in linear light, from half its size to a single texel. Takes as much memory
 /// as the texture.
@@ -36,22 +42,24 @@ pub(crate) struct Filter {
 }
 
 impl Filter {
-    /// The filter of the footprint with these sides in texture coordinates, on a texture of `width` x `height` texels;
-    /// `None` if the footprint is not wider than the interpolation of adjacent texels, or not finite.
+    /// The filter of a footprint on a texture of `width` x `height` texels; `None` if the footprint is not wider than the interpolation of adjacent texels, or not finite.
     #[inline(always)]
-    pub fn new([a, b]: [[f32; 2]; 2], [width, height]: [usize; 2]) -> Option<Self> {
+    pub fn new(footprint: &TextureFootprint, [width, height]: [usize; 2]) -> Option<Self> {
+        let [a, b] = footprint.sides;
         let (width, height) = (width as f32, height as f32);
         // Twelve times the covariance, in texels: its eigenvalues are the squared sides of the rectangle.
         let (ax, ay, bx, by) = (a[0] * width, a[1] * height, b[0] * width, b[1] * height);
         let (xx, xy, yy) = (ax * ax + bx * bx, ax * ay + bx * by, ay * ay + by * by);
         let (mean, difference) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
         let root = (difference * difference + xy * xy).sqrt();
-        let (long, short) = (mean + root, (mean - root).max(BILINEAR));
         // False also for NaN.
-        let is_wide = long > BILINEAR && long < f32::INFINITY;
+        let is_wide = mean + root > BILINEAR && mean + root < f32::INFINITY;
         if !is_wide {
             return None;
         }
+        let spread = if footprint.is_centered { 1.0 } else { AROUND_HITS };
+        let [mean, difference, xy, root] = [mean, difference, xy, root].map(|x| x * spread);
+        let (long, short) = (mean + root, (mean - root).max(BILINEAR));
         let taps = ((long / short).sqrt() - 0.25).ceil().clamp(1.0, MAX_TAPS);
         let squared = if taps > 1.0 { short.max(long / (taps * taps)) } else { mean.max(BILINEAR) };
         let squared_width = squared / BILINEAR;
@@ -181,6 +189,11 @@ mod tests {
         Texture { name: String::new(), width, height, texels, wrap_u, wrap_v, filter }
     }
 
+    /// A footprint with these sides in texels of a texture of `size` x `size`.
+    fn footprint(sides: [[f32; 2]; 2], size: usize, is_centered: bool) -> TextureFootprint {
+        TextureFootprint { sides: sides.map(|side| side.map(|x| x / size as f32)), is_centered }
+    }
+
     fn linear() -> [f32; 256] {
         std::array::from_fn(|code| code as f32 / 255.0)
     }
@@ -218,16 +231,19 @@ mod tests {
             })
             .collect();
         // Sides in texels.
-        for sides in [
-            [[3.0, 0.0], [0.0, 3.0]],
-            [[2.0, 1.0], [-1.0, 2.0]],
-            [[5.0, 0.0], [0.0, 2.0]],
-            [[9.0, 3.0], [0.0, 1.0]],
-            [[4.0, 4.0], [4.5, 4.0]],
-            [[0.1, 0.0], [0.0, 12.0]],
+        for (sides, is_centered) in [
+            ([[3.0, 0.0], [0.0, 3.0]], true),
+            ([[2.0, 1.0], [-1.0, 2.0]], true),
+            ([[5.0, 0.0], [0.0, 2.0]], true),
+            ([[9.0, 3.0], [0.0, 1.0]], true),
+            ([[4.0, 4.0], [4.5, 4.0]], true),
+            ([[0.1, 0.0], [0.0, 12.0]], true),
+            ([[3.0, 0.0], [0.0, 3.0]], false),
+            ([[5.0, 0.0], [0.0, 2.0]], false),
         ] {
             let sides: [[f32; 2]; 2] = sides;
-            let filter = Filter::new(sides.map(|side| side.map(|x| x / SIZE as f32)), [SIZE; 2]).expect("a wide one");
+            let filter = Filter::new(&footprint(sides, SIZE, is_centered), [SIZE; 2]).expect("a wide one");
+            let sides = sides.map(|side| side.map(|x| if is_centered { x } else { x * AROUND_HITS.sqrt() }));
             let mut moments = [[0.0f64; 3]; 2];
             let mut sum = 0.0;
             const PLACES: usize = 16;
@@ -262,8 +278,8 @@ mod tests {
 
     #[test]
     fn narrow_and_impossible_footprints_are_not_filtered() {
-        let filter = |sides| Filter::new(sides, [64, 64]);
-        assert!(filter([[0.5 / 64.0, 0.0], [0.0, 1.0 / 64.0]]).is_none());
+        let filter = |sides| Filter::new(&footprint(sides, 64, false), [64, 64]);
+        assert!(filter([[0.5, 0.0], [0.0, 1.0]]).is_none());
         assert!(filter([[0.0; 2]; 2]).is_none());
         for bad in [f32::NAN, f32::INFINITY, 1e30] {
             assert!(filter([[bad, 0.0], [0.0, 0.1]]).is_none(), "{bad}");
@@ -277,7 +293,7 @@ mod tests {
         let pyramid = Pyramid::new(&texture, &linear());
         let mean = texture.texels.iter().map(|texel| f32::from(texel[0]) / 255.0).sum::<f32>() / 256.0;
         for sides in [[[3.0, 0.0], [0.0, 3.0]], [[1e6, 0.0], [0.0, 1e6]], [[1e8, 3.0], [2.0, 1e3]]] {
-            let filter = Filter::new(sides, [16, 16]).expect("a wide one");
+            let filter = Filter::new(&footprint(sides, 1, true), [16, 16]).expect("a wide one");
             let value = pyramid.sample(&texture, &linear(), [0.3, 0.9], &filter);
             // Exact for the single texel of the last level; the third footprint is cut into eight taps of the first levels,
             // a sample of the texture.
