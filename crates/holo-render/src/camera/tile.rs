@@ -286,13 +286,11 @@ impl Tile {
     /// Reads values in packet order, as [`write`](Self::write) writes them; 0 for lanes without a pixel.
     pub fn read<const C: usize>(&self, field: &ArrayViewMut5<f32>) -> Vec<[[f32; LANES]; C]> {
         let mut packets = vec![[[0.0; LANES]; C]; self.packet_count()];
-        let grid = self.packets;
-        let [size_v, size_u, size_t, size_s] = self.lanes;
+        let size_s = self.lanes[3];
         for (v, rows) in field.outer_iter().enumerate() {
             for (u, elemental) in rows.outer_iter().enumerate() {
                 for (t, row) in elemental.outer_iter().enumerate() {
-                    let first = ((v / size_v * grid[1] + u / size_u) * grid[2] + t / size_t) * grid[3];
-                    let lane = ((v % size_v * size_u + u % size_u) * size_t + t % size_t) * size_s;
+                    let [first, lane] = self.start_of([v, u, t]);
                     let mut put = |s: usize, c: usize, value| packets[first + s / size_s][c][lane + s % size_s] = value;
                     if let Some(row) = row.as_slice() {
                         for (s, pixel) in row.chunks_exact(C).enumerate() {
@@ -309,17 +307,25 @@ impl Tile {
         packets
     }
 
+    /// The first packet of a row of views, and the lane in which the row begins there.
+    #[inline(always)]
+    fn start_of(&self, [v, u, t]: [usize; 3]) -> [usize; 2] {
+        let grid = self.packets;
+        let [size_v, size_u, size_t, size_s] = self.lanes;
+        let first = ((v / size_v * grid[1] + u / size_u) * grid[2] + t / size_t) * grid[3];
+        let lane = ((v % size_v * size_u + u % size_u) * size_t + t % size_t) * size_s;
+        [first, lane]
+    }
+
     /// Writes values in packet order (`packets[packet][channel][lane]`), multiplied by `scale`, to the output of the
     /// tile.
     #[inline(always)]
     pub fn write<const C: usize>(&self, packets: &[[[f32; LANES]; C]], scale: f32, field: &mut ArrayViewMut5<f32>) {
-        let grid = self.packets;
-        let [size_v, size_u, size_t, size_s] = self.lanes;
+        let size_s = self.lanes[3];
         for (v, mut rows) in field.outer_iter_mut().enumerate() {
             for (u, mut elemental) in rows.outer_iter_mut().enumerate() {
                 for (t, mut row) in elemental.outer_iter_mut().enumerate() {
-                    let first = ((v / size_v * grid[1] + u / size_u) * grid[2] + t / size_t) * grid[3];
-                    let lane = ((v % size_v * size_u + u % size_u) * size_t + t % size_t) * size_s;
+                    let [first, lane] = self.start_of([v, u, t]);
                     let put = |s: usize, c: usize| packets[first + s / size_s][c][lane + s % size_s] * scale;
                     if let Some(row) = row.as_slice_mut() {
                         for (s, pixel) in row.chunks_exact_mut(C).enumerate() {

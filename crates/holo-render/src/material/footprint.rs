@@ -20,12 +20,15 @@
 use crate::accel::refine::Refined;
 use crate::accel::{Cells, ExactRays, RayDifferentials, SpotDifferentials};
 use crate::geometry::{Geometry, Hit};
+use crate::material::texture::AROUND_HITS;
 use crate::simd::LANES;
 use glam::Vec3;
 
 /// How far the filter around a hit anywhere in a cell reaches from the middle of the cell, in its sides: half a side, and
-/// one interpolated texel, which is sqrt(1.8 / 3) of a side wide (see `texture/pyramid.rs`).
-const REACH_AROUND_HITS: f32 = 0.5 + 0.775;
+/// one interpolated texel, which is sqrt([`AROUND_HITS`] / 3) of a side wide.
+const REACH_AROUND_HITS: f32 = 0.5 + TEXEL;
+const TEXEL: f32 = 0.775;
+const _: () = assert!(3.0 * TEXEL * TEXEL >= AROUND_HITS);
 
 /// The footprints of sixteen camera rays on the surfaces that they hit.
 #[derive(Clone, Copy)]

@@ -5,7 +5,7 @@
 
 mod pyramid;
 
-pub(crate) use pyramid::{Filter as FootprintFilter, MIN_FOOTPRINT, Pyramid};
+pub(crate) use pyramid::{AROUND_HITS, Filter as FootprintFilter, MIN_FOOTPRINT, Pyramid};
 
 use crate::simd::LANES;
 use holo_scene::{Filter, Texture, Wrap};

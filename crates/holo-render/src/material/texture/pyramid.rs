@@ -17,7 +17,7 @@ const MAX_TAPS: f32 = 8.0;
 
 /// The covariance of the filter around hits that lie anywhere in their footprint, relative to that of the footprint. White
 /// noise of texels leaves as much noise as with 1 around the centers of footprints.
-const AROUND_HITS: f32 = 1.8;
+pub(crate) const AROUND_HITS: f32 = 1.8;
 
 /// Successively halved images of a texture in linear light, from half its size to a single texel. Takes as much memory
 /// as the texture.
