@@ -1,6 +1,7 @@
 //! Errors of rendered views.
 
 use holo_core::ViewIndex;
+use holo_core::color::{linear_to_srgb8, srgb8_to_linear_table};
 
 /// Views as images, pixel by pixel.
 pub type Images = Vec<Vec<[f32; 3]>>;
@@ -15,6 +16,27 @@ pub fn nine(views: usize) -> Vec<ViewIndex> {
 /// The next three values.
 pub fn rgb<'a>(mut values: impl Iterator<Item = &'a f32>) -> Option<[f32; 3]> {
     Some([*values.next()?, *values.next()?, *values.next()?])
+}
+
+/// Luminance of Rec. 709.
+#[must_use]
+pub fn luminance([r, g, b]: [f32; 3]) -> f64 {
+    0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+}
+
+/// The relative error |x - g| / g of the luminance of a pixel in sRGB codes; g is that of `reference`, linear and cut at 1,
+/// where codes are. `None` where it is black.
+#[must_use]
+pub fn error_of_codes(codes: [u8; 3], reference: [f32; 3]) -> Option<f64> {
+    let table = srgb8_to_linear_table();
+    let reference = luminance(reference.map(|x| x.min(1.0)));
+    (reference > 0.0).then(|| (luminance(codes.map(|code| table[usize::from(code)])) / reference - 1.0).abs())
+}
+
+/// As [`error_of_codes`], of linear values that are rounded to codes.
+#[must_use]
+pub fn error_in_8bit(linear: [f32; 3], reference: [f32; 3]) -> Option<f64> {
+    error_of_codes(linear.map(linear_to_srgb8), reference)
 }
 
 /// The relative squared error of a view: the mean of (x - a)(x - b) / (m^2 + 0.01 mean(m^2)) over pixels and channels,

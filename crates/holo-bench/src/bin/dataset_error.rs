@@ -14,7 +14,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use holo_bench::error::{rgb, sorted};
+use holo_bench::error::{error_in_8bit, error_of_codes, luminance, rgb, sorted};
 use holo_core::{DynLightField, LightFieldOwned, ViewIndex};
 use holo_io::dataset::{self, DatasetFolder};
 use holo_io::{Limits, Manifest, ManifestValue};
@@ -146,15 +146,14 @@ fn measure(scene: &str, folder: &Path, settings: &Settings) -> Result<Measured> 
         for (v, (a, b)) in a.outer_iter().zip(b.outer_iter()).enumerate() {
             for (u, (a, b)) in a.outer_iter().zip(b.outer_iter()).enumerate() {
                 let (Some(a), Some(b)) = (rgb(a.iter()), rgb(b.iter())) else { continue };
-                let half = [a, b].map(|pixel| luminance(pixel.map(|x| (x * gain).min(1.0))));
-                let mean = [0, 1, 2].map(|c| ((a[c] + b[c]) / 2.0 * gain).min(1.0));
-                let code = [0, 1, 2].map(|c| coded[[rows.start + v, u, c]]);
-                let of_mean = luminance(mean);
-                if of_mean > 0.0 {
-                    errors[0].push((luminance(code.map(decode)) / of_mean - 1.0).abs());
-                    errors[1].push((luminance(mean.map(encode).map(decode)) / of_mean - 1.0).abs());
-                    errors[2].push((half[0] - half[1]).abs() / 2.0 / of_mean);
-                }
+                let [a, b] = [a, b].map(|pixel| pixel.map(|x| x * gain));
+                let mean = [0, 1, 2].map(|c| ((a[c] + b[c]) / 2.0).min(1.0));
+                let codes = [0, 1, 2].map(|c| coded[[rows.start + v, u, c]]);
+                let (image, rounding) = (error_of_codes(codes, mean), error_in_8bit(mean, mean));
+                errors[0].extend(image);
+                errors[1].extend(rounding);
+                let [a, b] = [a, b].map(|pixel| luminance(pixel.map(|x| x.min(1.0))));
+                errors[2].extend((luminance(mean) > 0.0).then(|| (a - b).abs() / 2.0 / luminance(mean)));
             }
         }
     }
@@ -173,20 +172,4 @@ fn estimated(manifest: &Manifest) -> [f64; 2] {
     let Some(ManifestValue::Table(statistics)) = manifest.settings.get("statistics") else { return [f64::NAN; 2] };
     ["error-median", "error-percentile-90"]
         .map(|name| statistics.get(name).and_then(ManifestValue::as_f64).unwrap_or(f64::NAN))
-}
-
-/// Luminance of Rec. 709.
-fn luminance([r, g, b]: [f32; 3]) -> f64 {
-    0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
-}
-
-/// The sRGB curve (IEC 61966-2-1) and rounding.
-fn encode(linear: f32) -> u8 {
-    let coded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    (coded * 255.0).round() as u8
-}
-
-fn decode(code: u8) -> f32 {
-    let coded = f32::from(code) / 255.0;
-    if coded <= 0.040_45 { coded / 12.92 } else { ((coded + 0.055) / 1.055).powf(2.4) }
 }

@@ -47,6 +47,14 @@ pub(crate) struct TextureFootprint {
     pub is_centered: bool,
 }
 
+/// The footprints of sixteen camera rays in texture coordinates.
+pub(crate) struct TextureFootprints {
+    pub sides: [[[f32; LANES]; 2]; 2],
+    pub is_centered: [bool; LANES],
+    /// Whether the filter of the footprint lies in its triangle.
+    pub is_inside: [bool; LANES],
+}
+
 /// A triangle with texture coordinates.
 #[derive(Clone, Copy)]
 pub(crate) struct TextureTriangle {
@@ -54,6 +62,12 @@ pub(crate) struct TextureTriangle {
     barycentrics: [[f32; 3]; 2],
     /// The texture coordinates of these corners less those of the first.
     edges: [[f32; 2]; 2],
+}
+
+/// Sixteen of them.
+pub(crate) struct TextureTriangles {
+    barycentrics: [[[f32; LANES]; 3]; 2],
+    edges: [[[f32; LANES]; 2]; 2],
 }
 
 impl Footprints {
@@ -136,7 +150,31 @@ impl Footprints {
         triangle: &TextureTriangle,
         hit: [f32; 2],
     ) -> Option<TextureFootprint> {
-        let is_centered = self.to_center[0][lane] == 0.0 && self.to_center[1][lane] == 0.0;
+        let (footprint, is_inside) = self.of(lane, triangle, hit);
+        is_inside.then_some(footprint)
+    }
+
+    /// Those of all lanes; `hits` are the barycentrics.
+    #[inline(always)]
+    pub(super) fn on_textures(&self, triangles: &TextureTriangles, hits: [&[f32; LANES]; 2]) -> TextureFootprints {
+        let mut out = TextureFootprints::NONE;
+        for lane in 0..LANES {
+            let (one, is_inside) = self.of(lane, &triangles.of(lane), [hits[0][lane], hits[1][lane]]);
+            for side in 0..2 {
+                for k in 0..2 {
+                    out.sides[side][k][lane] = one.sides[side][k];
+                }
+            }
+            out.is_centered[lane] = one.is_centered;
+            out.is_inside[lane] = is_inside;
+        }
+        out
+    }
+
+    /// The footprint of a lane, and whether its filter lies in the triangle. Without branches.
+    #[inline(always)]
+    fn of(&self, lane: usize, triangle: &TextureTriangle, hit: [f32; 2]) -> (TextureFootprint, bool) {
+        let is_centered = (self.to_center[0][lane] == 0.0) & (self.to_center[1][lane] == 0.0);
         let reach_of_cell = if is_centered { 0.5 } else { REACH_AROUND_HITS };
         let mut out = TextureFootprint { sides: [[0.0; 2]; 2], is_centered };
         let mut center = [1.0 - hit[0] - hit[1], hit[0], hit[1]];
@@ -149,31 +187,66 @@ impl Footprints {
                 reach[corner] += change[corner].abs() * reach_of_cell;
             }
             for k in 0..2 {
-                let change = triangle.edges[0][k] * b + triangle.edges[1][k] * c;
-                out.sides[side][k] = change;
+                out.sides[side][k] = triangle.edges[0][k] * b + triangle.edges[1][k] * c;
             }
         }
-        let is_inside = (center[0] >= reach[0]) & (center[1] >= reach[1]) & (center[2] >= reach[2]);
-        is_inside.then_some(out)
+        (out, (center[0] >= reach[0]) & (center[1] >= reach[1]) & (center[2] >= reach[2]))
+    }
+}
+
+impl TextureFootprints {
+    /// No footprints.
+    pub const NONE: Self =
+        Self { sides: [[[0.0; LANES]; 2]; 2], is_centered: [false; LANES], is_inside: [false; LANES] };
+
+    /// That of a lane.
+    #[inline(always)]
+    pub fn of(&self, lane: usize) -> TextureFootprint {
+        let [[a, b], [c, d]] = &self.sides;
+        TextureFootprint { sides: [[a[lane], b[lane]], [c[lane], d[lane]]], is_centered: self.is_centered[lane] }
+    }
+}
+
+impl TextureTriangles {
+    /// Sixteen times one triangle.
+    #[inline(always)]
+    pub fn splat(one: &TextureTriangle) -> Self {
+        let mut out = Self { barycentrics: [[[0.0; LANES]; 3]; 2], edges: [[[0.0; LANES]; 2]; 2] };
+        for k in 0..2 {
+            for axis in 0..3 {
+                out.barycentrics[k][axis] = [one.barycentrics[k][axis]; LANES];
+            }
+            for axis in 0..2 {
+                out.edges[k][axis] = [one.edges[k][axis]; LANES];
+            }
+        }
+        out
     }
 
-    /// Whether any footprint may be wider than `width`, in texels, on a texture of `size`: a bound without branches.
     #[inline(always)]
-    pub(super) fn any_wider(&self, triangles: &[TextureTriangle; LANES], size: [usize; 2], width: f32) -> bool {
-        let mut any = false;
-        for lane in 0..LANES {
-            let edges = &triangles[lane].edges;
-            let mut squared = 0.0;
-            for side in 0..2 {
-                let [b, c] = triangles[lane].change(&self.sides[side], lane);
-                for k in 0..2 {
-                    let texels = (edges[0][k] * b + edges[1][k] * c) * size[k] as f32;
-                    squared += texels * texels;
-                }
+    pub fn set(&mut self, lane: usize, one: &TextureTriangle) {
+        for k in 0..2 {
+            for axis in 0..3 {
+                self.barycentrics[k][axis][lane] = one.barycentrics[k][axis];
             }
-            any |= squared > width * width;
+            for axis in 0..2 {
+                self.edges[k][axis][lane] = one.edges[k][axis];
+            }
         }
-        any
+    }
+
+    #[inline(always)]
+    fn of(&self, lane: usize) -> TextureTriangle {
+        let mut out = TextureTriangle { barycentrics: [[0.0; 3]; 2], edges: [[0.0; 2]; 2] };
+        for k in 0..2 {
+            for axis in 0..3 {
+                out.barycentrics[k][axis] = self.barycentrics[k][axis][lane];
+            }
+            for axis in 0..2 {
+                out.edges[k][axis] = self.edges[k][axis][lane];
+            }
+        }
+        out
     }
 }
 

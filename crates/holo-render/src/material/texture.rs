@@ -5,7 +5,7 @@
 
 mod pyramid;
 
-pub(crate) use pyramid::{AROUND_HITS, Filter as FootprintFilter, MIN_FOOTPRINT, Pyramid};
+pub(crate) use pyramid::{AROUND_HITS, Filter as FootprintFilter, Filters as FootprintFilters, Pyramid};
 
 use crate::simd::LANES;
 use holo_scene::{Filter, Texture, Wrap};
@@ -16,14 +16,20 @@ use holo_scene::{Filter, Texture, Wrap};
 pub(crate) fn sample(texture: &Texture, table: &[f32; 256], coordinates: [f32; 2], filter: Filter) -> [f32; 3] {
     let (size, wrap) = ([texture.width, texture.height], [texture.wrap_u, texture.wrap_v]);
     let (texels, fraction) = neighbors(&texture.texels, size, wrap, filter, coordinates);
-    bilinear(&texels.map(|[r, g, b, _]| [table[r as usize], table[g as usize], table[b as usize]]), fraction)
+    let mut corners = [[0.0; 3]; 4];
+    for corner in 0..4 {
+        for c in 0..3 {
+            corners[corner][c] = table[texels[corner][c] as usize];
+        }
+    }
+    bilinear(&corners, fraction)
 }
 
 /// Interpolates four texels.
 #[inline(always)]
-fn bilinear([a, b, c, d]: &[[f32; 3]; 4], fraction: [f32; 2]) -> [f32; 3] {
-    let mut out = [0.0; 3];
-    for k in 0..3 {
+fn bilinear<const N: usize>([a, b, c, d]: &[[f32; N]; 4], fraction: [f32; 2]) -> [f32; N] {
+    let mut out = [0.0; N];
+    for k in 0..N {
         out[k] = mix([a[k], b[k], c[k], d[k]], fraction);
     }
     out
@@ -41,8 +47,8 @@ pub(crate) fn sample_alpha(texture: &Texture, coordinates: [f32; 2]) -> f32 {
 /// [`sample`] at sixteen points, with bitwise identical results.
 #[inline(always)]
 pub(crate) fn sample_sixteen(texture: &Texture, table: &[f32; 256], [u, v]: &[[f32; LANES]; 2]) -> [[f32; LANES]; 3] {
-    let columns = taps_of_sixteen(u, texture.width, texture.wrap_u, texture.filter);
-    let rows = taps_of_sixteen(v, texture.height, texture.wrap_v, texture.filter);
+    let columns = taps_of_sixteen(u, &[texture.width as u32; LANES], texture.wrap_u, texture.filter);
+    let rows = taps_of_sixteen(v, &[texture.height as u32; LANES], texture.wrap_v, texture.filter);
     let mut out = [[0.0; LANES]; 3];
     for lane in 0..LANES {
         let (upper, lower) = (rows.first[lane] as usize * texture.width, rows.second[lane] as usize * texture.width);
@@ -69,8 +75,8 @@ fn neighbors<T: Copy>(
     filter: Filter,
     [u, v]: [f32; 2],
 ) -> ([T; 4], [f32; 2]) {
-    let (columns, fraction_x) = taps(u, width, wrap_u, filter);
-    let (rows, fraction_y) = taps(v, height, wrap_v, filter);
+    let (columns, fraction_x) = taps(u, width as u32, wrap_u, filter);
+    let (rows, fraction_y) = taps(v, height as u32, wrap_v, filter);
     let texel = |j: usize, i: usize| texels[rows[j] as usize * width + columns[i] as usize];
     ([texel(0, 0), texel(0, 1), texel(1, 0), texel(1, 1)], [fraction_x, fraction_y])
 }
@@ -82,6 +88,7 @@ fn mix([a, b, c, d]: [f32; 4], [x, y]: [f32; 2]) -> f32 {
 }
 
 /// Two adjacent texels along one axis and the interpolation weight of the second, for sixteen points.
+#[derive(Clone, Copy)]
 struct Taps {
     first: [u32; LANES],
     second: [u32; LANES],
@@ -90,16 +97,18 @@ struct Taps {
 
 /// One branch-free loop per wrap mode, so that the lanes are vectorized.
 #[inline(always)]
-fn taps_of_sixteen(coordinates: &[f32; LANES], size: usize, mode: Wrap, filter: Filter) -> Taps {
+fn taps_of_sixteen(coordinates: &[f32; LANES], sizes: &[u32; LANES], mode: Wrap, filter: Filter) -> Taps {
     let mut out = Taps { first: [0; LANES], second: [0; LANES], fraction: [0.0; LANES] };
     let mut whole = [0.0; LANES];
     let mut are_inside = true;
     for lane in 0..LANES {
-        (whole[lane], out.fraction[lane]) = cell(coordinates[lane], size);
-        are_inside &= is_inside(whole[lane], size);
+        (whole[lane], out.fraction[lane]) = cell(coordinates[lane], sizes[lane]);
+        are_inside &= is_inside(whole[lane], sizes[lane]);
     }
     if filter == Filter::Nearest {
-        out.fraction = out.fraction.map(nearest);
+        for lane in 0..LANES {
+            out.fraction[lane] = nearest(out.fraction[lane]);
+        }
     }
     if are_inside {
         for lane in 0..LANES {
@@ -110,17 +119,17 @@ fn taps_of_sixteen(coordinates: &[f32; LANES], size: usize, mode: Wrap, filter: 
     match mode {
         Wrap::Repeat => {
             for lane in 0..LANES {
-                [out.first[lane], out.second[lane]] = repeated(whole[lane], size);
+                [out.first[lane], out.second[lane]] = repeated(whole[lane], sizes[lane]);
             }
         }
         Wrap::Clamp => {
             for lane in 0..LANES {
-                [out.first[lane], out.second[lane]] = clamped(whole[lane], size);
+                [out.first[lane], out.second[lane]] = clamped(whole[lane], sizes[lane]);
             }
         }
         Wrap::Mirror => {
             for lane in 0..LANES {
-                [out.first[lane], out.second[lane]] = mirrored(whole[lane], size);
+                [out.first[lane], out.second[lane]] = mirrored(whole[lane], sizes[lane]);
             }
         }
     }
@@ -128,7 +137,7 @@ fn taps_of_sixteen(coordinates: &[f32; LANES], size: usize, mode: Wrap, filter: 
 }
 
 #[inline(always)]
-fn taps(coordinate: f32, size: usize, mode: Wrap, filter: Filter) -> ([u32; 2], f32) {
+fn taps(coordinate: f32, size: u32, mode: Wrap, filter: Filter) -> ([u32; 2], f32) {
     let (whole, fraction) = cell(coordinate, size);
     let indices = if is_inside(whole, size) {
         [whole as u32, whole as u32 + 1]
@@ -150,7 +159,7 @@ fn nearest(fraction: f32) -> f32 {
 
 /// The texel to the left of (above) a coordinate, before wrapping, and the interpolation weight of the next.
 #[inline(always)]
-fn cell(coordinate: f32, size: usize) -> (f32, f32) {
+fn cell(coordinate: f32, size: u32) -> (f32, f32) {
     let position = coordinate * size as f32 - 0.5;
     let whole = position.floor();
     // So far outside f32 has no fraction any more, and any texel is equally valid.
@@ -163,7 +172,7 @@ const WHOLE_NUMBERS: f32 = 16_777_216.0;
 
 /// Whether this texel and the next are texels of the texture, so that no wrap mode moves them.
 #[inline(always)]
-fn is_inside(whole: f32, size: usize) -> bool {
+fn is_inside(whole: f32, size: u32) -> bool {
     (whole >= 0.0) & (whole + 1.0 < size as f32)
 }
 
@@ -177,21 +186,20 @@ fn modulo(whole: f32, period: f32) -> u32 {
 }
 
 #[inline(always)]
-fn repeated(whole: f32, size: usize) -> [u32; 2] {
+fn repeated(whole: f32, size: u32) -> [u32; 2] {
     let first = modulo(whole, size as f32);
     let second = first + 1;
-    [first, if second == size as u32 { 0 } else { second }]
+    [first, if second == size { 0 } else { second }]
 }
 
 #[inline(always)]
-fn clamped(whole: f32, size: usize) -> [u32; 2] {
+fn clamped(whole: f32, size: u32) -> [u32; 2] {
     let last = (size - 1) as f32;
     [whole.max(0.0).min(last) as u32, (whole + 1.0).max(0.0).min(last) as u32]
 }
 
 #[inline(always)]
-fn mirrored(whole: f32, size: usize) -> [u32; 2] {
-    let size = size as u32;
+fn mirrored(whole: f32, size: u32) -> [u32; 2] {
     let first = modulo(whole, (2 * size) as f32);
     let second = if first + 1 == 2 * size { 0 } else { first + 1 };
     let fold = |k: u32| if k < size { k } else { 2 * size - 1 - k };
@@ -287,9 +295,9 @@ mod tests {
     /// Integer arithmetic gives the same wrapped indices.
     #[test]
     fn indices_wrap_as_integers_do() {
-        for size in [1usize, 2, 3, 7, 4096, 12_345] {
+        for size in [1u32, 2, 3, 7, 4096, 12_345] {
             for k in (-40_000i64..40_000).step_by(37).chain(-20..20).chain([-16_777_215, 16_777_215]) {
-                let count = size as i64;
+                let count = i64::from(size);
                 let fold = |k: i64| {
                     let k = k.rem_euclid(2 * count);
                     if k < count { k } else { 2 * count - 1 - k }

@@ -9,6 +9,7 @@
 mod cycles;
 mod files;
 mod ground_truth;
+mod honesty;
 mod light;
 mod page;
 mod peers;

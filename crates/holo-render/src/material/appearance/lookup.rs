@@ -8,9 +8,9 @@ use super::{Appearance, MaterialFlags, SurfacePoint, TextureLookup, texture_tria
 use crate::accel::RayHits;
 use crate::geometry::{Geometry, Hit, InstanceData};
 use crate::material::SurfaceInteraction;
-use crate::material::footprint::Footprints;
-use crate::material::texture::{self, MIN_FOOTPRINT};
-use crate::simd::{LANES, at};
+use crate::material::footprint::{Footprints, TextureTriangles};
+use crate::material::texture::{self, FootprintFilters, Pyramid};
+use crate::simd::LANES;
 
 /// The hits of a packet on the triangles of a geometry.
 #[derive(Clone, Copy)]
@@ -120,7 +120,7 @@ impl Appearance {
             let coordinates = coordinates(geometry, packet, instance, lookup, one_triangle, &out.triangle);
             let mut texels = texture::sample_sixteen(&self.textures[lookup.texture], self.srgb, &coordinates);
             if footprints.is_some() && material.is_filtered() && instance.textured[lookup.set] {
-                self.filter_sixteen(hits, lookup, &coordinates, &out.triangle, &mut texels);
+                self.filter_sixteen(hits, lookup, &coordinates, (&out.triangle, one_triangle), &mut texels);
             }
             for c in 0..3 {
                 for lane in 0..LANES {
@@ -158,29 +158,30 @@ impl Appearance {
         hits: &PacketHits,
         lookup: &TextureLookup,
         coordinates: &[[f32; LANES]; 2],
-        triangles: &[Hit; LANES],
+        (triangles, one_triangle): (&[Hit; LANES], bool),
         texels: &mut [[f32; LANES]; 3],
     ) {
         let &PacketHits { geometry, packet, footprints: Some(footprints) } = hits else { return };
-        let mut of_lanes = [texture_triangle(lookup, geometry, triangles[0]); LANES];
-        for lane in 1..LANES {
-            let is_same = triangles[lane] == triangles[lane - 1];
-            of_lanes[lane] =
-                if is_same { of_lanes[lane - 1] } else { texture_triangle(lookup, geometry, triangles[lane]) };
+        let mut last = texture_triangle(lookup, geometry, triangles[0]);
+        let mut of_lanes = TextureTriangles::splat(&last);
+        if !one_triangle {
+            for lane in 1..LANES {
+                if triangles[lane] != triangles[lane - 1] {
+                    last = texture_triangle(lookup, geometry, triangles[lane]);
+                }
+                of_lanes.set(lane, &last);
+            }
         }
         let texture = &self.textures[lookup.texture];
-        if !footprints.any_wider(&of_lanes, [texture.width, texture.height], MIN_FOOTPRINT) {
-            return;
-        }
+        let on_texture = footprints.on_textures(&of_lanes, [&packet.hits.u, &packet.hits.v]);
+        let filters = FootprintFilters::new(&on_texture, [texture.width, texture.height]);
+        let mut any = false;
         for lane in 0..LANES {
-            let hit = [packet.hits.u[lane], packet.hits.v[lane]];
-            if let Some(footprint) = footprints.on_texture(lane, &of_lanes[lane], hit)
-                && let Some(mean) = self.filtered(lookup, at(coordinates, lane), &footprint)
-            {
-                for c in 0..3 {
-                    texels[c][lane] = mean[c];
-                }
-            }
+            any |= filters.is_wide[lane];
+        }
+        if any {
+            let pyramid = self.pyramids[lookup.texture].get_or_init(|| Pyramid::new(texture, self.srgb));
+            pyramid.sample_sixteen(texture, self.srgb, coordinates, &filters, texels);
         }
     }
 

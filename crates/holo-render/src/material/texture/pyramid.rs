@@ -7,8 +7,9 @@
 //! gets neither sharper nor blurred to second order. Around a hit anywhere in the footprint it is [`AROUND_HITS`] times
 //! that: the places of hits alone have the covariance of the footprint, so the image is blurred, less with more samples.
 
-use super::{bilinear, neighbors, sample};
-use crate::material::footprint::TextureFootprint;
+use super::{bilinear, mix, neighbors, sample, taps_of_sixteen};
+use crate::material::footprint::{TextureFootprint, TextureFootprints};
+use crate::simd::LANES;
 use holo_scene::{Texture, Wrap};
 
 /// The maximum number of taps along a footprint. Longer ones, near a horizon, are averaged over wider texels, which
@@ -19,16 +20,22 @@ const MAX_TAPS: f32 = 8.0;
 /// noise of texels leaves as much noise as with 1 around the centers of footprints.
 pub(crate) const AROUND_HITS: f32 = 1.8;
 
-/// Successively halved images of a texture in linear light, from half its size to a single texel. Takes as much memory
-/// as the texture.
+/// Successively halved images of a texture in linear light, from half its size to a single texel. Takes 1.3 times as much
+/// memory as the texture.
 pub(crate) struct Pyramid {
+    /// The texture itself, whose texels are not here, and all levels down to a single texel.
     levels: Vec<Level>,
+    /// The texels of the levels, one level after the other, row by row; the fourth value only aligns them.
+    texels: Vec<[f32; 4]>,
 }
 
+/// A level of a pyramid.
+#[derive(Clone, Copy)]
 struct Level {
-    width: usize,
-    height: usize,
-    texels: Vec<[f32; 3]>,
+    /// The place of its first texel.
+    first: usize,
+    width: u32,
+    height: u32,
 }
 
 /// The filter of a footprint.
@@ -36,46 +43,75 @@ struct Level {
 pub(crate) struct Filter {
     /// From one tap to the next, in texture coordinates.
     step: [f32; 2],
-    taps: u32,
+    /// The number of taps.
+    taps: f32,
     /// The squared width of the texels to interpolate, in texels of the texture; at least 1.
     squared_width: f32,
+}
+
+/// The filters of sixteen footprints.
+pub(crate) struct Filters {
+    /// Whether textures are filtered there at all.
+    pub is_wide: [bool; LANES],
+    step: [[f32; LANES]; 2],
+    taps: [f32; LANES],
+    squared_width: [f32; LANES],
 }
 
 impl Filter {
     /// The filter of a footprint on a texture of `width` x `height` texels; `None` if the footprint is not wider than the interpolation of adjacent texels, or not finite.
     #[inline(always)]
     pub fn new(footprint: &TextureFootprint, [width, height]: [usize; 2]) -> Option<Self> {
+        let (filter, is_wide) = Self::of(footprint, [width as f32, height as f32]);
+        is_wide.then_some(filter)
+    }
+
+    /// The filter, and whether the footprint is wide enough and finite. Without branches.
+    #[inline(always)]
+    fn of(footprint: &TextureFootprint, [width, height]: [f32; 2]) -> (Self, bool) {
         let [a, b] = footprint.sides;
-        let (width, height) = (width as f32, height as f32);
         // Twelve times the covariance, in texels: its eigenvalues are the squared sides of the rectangle.
         let (ax, ay, bx, by) = (a[0] * width, a[1] * height, b[0] * width, b[1] * height);
         let (xx, xy, yy) = (ax * ax + bx * bx, ax * ay + bx * by, ay * ay + by * by);
         let (mean, difference) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
         let root = (difference * difference + xy * xy).sqrt();
         // False also for NaN.
-        let is_wide = mean + root > BILINEAR && mean + root < f32::INFINITY;
-        if !is_wide {
-            return None;
-        }
+        let is_wide = (mean + root > BILINEAR) & (mean + root < f32::INFINITY);
         let spread = if footprint.is_centered { 1.0 } else { AROUND_HITS };
-        let [mean, difference, xy, root] = [mean, difference, xy, root].map(|x| x * spread);
+        let (mean, difference, xy, root) = (mean * spread, difference * spread, xy * spread, root * spread);
         let (long, short) = (mean + root, (mean - root).max(BILINEAR));
         let taps = ((long / short).sqrt() - 0.25).ceil().clamp(1.0, MAX_TAPS);
         let squared = if taps > 1.0 { short.max(long / (taps * taps)) } else { mean.max(BILINEAR) };
         let squared_width = squared / BILINEAR;
         let (x, y) = if difference > 0.0 { (root + difference, xy) } else { (xy, root - difference) };
         let length = (x * x + y * y).sqrt();
-        let mut step = [0.0; 2];
-        if taps > 1.0 && length > 0.0 {
-            let distance = ((long - squared).max(0.0) / (taps * taps - 1.0)).sqrt() / length;
-            step = [x * distance / width, y * distance / height];
-        }
-        Some(Self { step, taps: taps as u32, squared_width })
+        let distance = ((long - squared).max(0.0) / (taps * taps - 1.0)).sqrt() / length;
+        let is_long = (taps > 1.0) & (length > 0.0);
+        let step = [x * distance / width, y * distance / height];
+        let step = if is_long { step } else { [0.0; 2] };
+        (Self { step, taps, squared_width }, is_wide)
     }
 }
 
-/// The width in texels below which footprints are not filtered: the root of [`BILINEAR`], rounded down.
-pub(crate) const MIN_FOOTPRINT: f32 = 1.73;
+impl Filters {
+    /// The filters of sixteen footprints on a texture of `width` x `height` texels.
+    #[inline(always)]
+    pub fn new(footprints: &TextureFootprints, [width, height]: [usize; 2]) -> Self {
+        let mut out =
+            Self { is_wide: [false; LANES], step: [[0.0; LANES]; 2], taps: [1.0; LANES], squared_width: [1.0; LANES] };
+        let size = [width as f32, height as f32];
+        for lane in 0..LANES {
+            let (filter, is_wide) = Filter::of(&footprints.of(lane), size);
+            let is_wide = is_wide & footprints.is_inside[lane];
+            out.is_wide[lane] = is_wide;
+            out.step[0][lane] = filter.step[0];
+            out.step[1][lane] = filter.step[1];
+            out.taps[lane] = if is_wide { filter.taps } else { 0.0 };
+            out.squared_width[lane] = if is_wide { filter.squared_width } else { 1.0 };
+        }
+        out
+    }
+}
 
 /// The squared width of the box with the variance of bilinear interpolation between texels of width 1: a box and a
 /// tent, 1/12 + 1/6 = 3/12.
@@ -83,33 +119,31 @@ const BILINEAR: f32 = 3.0;
 
 impl Pyramid {
     pub fn new(texture: &Texture, table: &[f32; 256]) -> Self {
-        let mut levels: Vec<Level> = Vec::new();
-        let [mut width, mut height] = [texture.width, texture.height];
-        while width > 1 || height > 1 {
-            let level = match levels.last() {
-                None => halved([width, height], |k| {
+        let mut level = Level { first: 0, width: texture.width as u32, height: texture.height as u32 };
+        let (mut levels, mut texels) = (vec![level], Vec::new());
+        while level.width > 1 || level.height > 1 {
+            let first = texels.len();
+            let [width, height] = if levels.len() == 1 {
+                append_halved(level, &mut texels, |_, k| {
                     let [r, g, b, _] = texture.texels[k];
-                    [table[r as usize], table[g as usize], table[b as usize]]
-                }),
-                Some(finer) => halved([width, height], |k| finer.texels[k]),
+                    [table[r as usize], table[g as usize], table[b as usize], 0.0]
+                })
+            } else {
+                append_halved(level, &mut texels, |all, k| all[k])
             };
-            (width, height) = (level.width, level.height);
+            level = Level { first, width, height };
             levels.push(level);
         }
-        Self { levels }
+        Self { levels, texels }
     }
 
     /// The mean of `texture`, whose pyramid this is, over a footprint around `center`, linear RGB.
     #[inline(always)]
     pub fn sample(&self, texture: &Texture, table: &[f32; 256], center: [f32; 2], filter: &Filter) -> [f32; 3] {
-        // Two levels, mixed such that the squared widths of their texels have the mean that is wanted.
-        let finer = half_log2(filter.squared_width).min(self.levels.len());
-        let fraction = (filter.squared_width / (1u64 << (2 * finer.min(31))) as f32 - 1.0) / 3.0;
-        let fraction = if finer == self.levels.len() { 0.0 } else { fraction.clamp(0.0, 1.0) };
+        let (finer, fraction) = self.levels_of(filter.squared_width);
         let mut sum = [0.0; 3];
-        let middle = 0.5 * (filter.taps - 1) as f32;
-        for tap in 0..filter.taps {
-            let along = tap as f32 - middle;
+        for tap in 0..filter.taps as u32 {
+            let along = tap as f32 - 0.5 * (filter.taps - 1.0);
             let place = [center[0] + filter.step[0] * along, center[1] + filter.step[1] * along];
             let mut value = self.level(finer, texture, table, place);
             if fraction > 0.0 {
@@ -122,39 +156,172 @@ impl Pyramid {
                 sum[c] += value[c];
             }
         }
-        sum.map(|sum| sum / filter.taps as f32)
+        for value in &mut sum {
+            *value /= filter.taps;
+        }
+        sum
+    }
+
+    /// [`Self::sample`] at sixteen places, with bitwise identical results; lanes that are not wide stay.
+    #[inline(always)]
+    pub fn sample_sixteen(
+        &self,
+        texture: &Texture,
+        table: &[f32; 256],
+        center: &[[f32; LANES]; 2],
+        filters: &Filters,
+        out: &mut [[f32; LANES]; 3],
+    ) {
+        let last = self.levels.len() as u32 - 1;
+        let (mut finer, mut coarser, mut fraction) = ([0; LANES], [0; LANES], [0.0; LANES]);
+        let (mut most, mut mixed) = (0.0f32, false);
+        for lane in 0..LANES {
+            (finer[lane], fraction[lane]) = self.levels_of(filters.squared_width[lane]);
+            coarser[lane] = (finer[lane] + 1).min(last);
+            most = most.max(filters.taps[lane]);
+            mixed |= fraction[lane] > 0.0;
+        }
+        let mut sums = [[0.0; LANES]; 3];
+        for tap in 0..most as u32 {
+            let mut place = [[0.0; LANES]; 2];
+            let mut takes = [false; LANES];
+            for lane in 0..LANES {
+                let along = tap as f32 - 0.5 * (filters.taps[lane] - 1.0);
+                takes[lane] = (tap as f32) < filters.taps[lane];
+                for axis in 0..2 {
+                    place[axis][lane] = center[axis][lane] + filters.step[axis][lane] * along;
+                }
+            }
+            let mut value = self.level_of_sixteen(&finer, texture, table, &place, &takes);
+            if mixed {
+                let other = self.level_of_sixteen(&coarser, texture, table, &place, &takes);
+                for c in 0..3 {
+                    for lane in 0..LANES {
+                        let both = value[c][lane] + (other[c][lane] - value[c][lane]) * fraction[lane];
+                        value[c][lane] = if fraction[lane] > 0.0 { both } else { value[c][lane] };
+                    }
+                }
+            }
+            for c in 0..3 {
+                for lane in 0..LANES {
+                    sums[c][lane] += if takes[lane] { value[c][lane] } else { 0.0 };
+                }
+            }
+        }
+        for c in 0..3 {
+            for lane in 0..LANES {
+                let mean = sums[c][lane] / filters.taps[lane];
+                out[c][lane] = if filters.is_wide[lane] { mean } else { out[c][lane] };
+            }
+        }
+    }
+
+    /// The finer of two levels, mixed such that the squared widths of their texels have the mean `squared_width`, and the
+    /// part of the coarser one.
+    #[inline(always)]
+    fn levels_of(&self, squared_width: f32) -> (u32, f32) {
+        let last = self.levels.len() as u32 - 1;
+        let finer = half_log2(squared_width).min(last);
+        let squared = f32::from_bits((127 + 2 * finer) << 23);
+        let fraction = (squared_width / squared - 1.0) / 3.0;
+        (finer, if finer == last { 0.0 } else { fraction.clamp(0.0, 1.0) })
     }
 
     /// A level at texture coordinates; 0 is the texture itself.
     #[inline(always)]
-    fn level(&self, level: usize, texture: &Texture, table: &[f32; 256], place: [f32; 2]) -> [f32; 3] {
+    fn level(&self, level: u32, texture: &Texture, table: &[f32; 256], place: [f32; 2]) -> [f32; 3] {
         if level == 0 {
             return sample(texture, table, place, holo_scene::Filter::Linear);
         }
-        let Level { width, height, texels } = &self.levels[level - 1];
+        let Level { first, width, height } = self.levels[level as usize];
+        let size = [width as usize, height as usize];
         let wrap: [Wrap; 2] = [texture.wrap_u, texture.wrap_v];
-        let (corners, fraction) = neighbors(texels, [*width, *height], wrap, holo_scene::Filter::Linear, place);
-        bilinear(&corners, fraction)
+        let (corners, fraction) = neighbors(&self.texels[first..], size, wrap, holo_scene::Filter::Linear, place);
+        let [r, g, b, _] = bilinear(&corners, fraction);
+        [r, g, b]
+    }
+
+    /// [`Self::level`] at sixteen places on their levels, in the lanes that take part.
+    #[inline(always)]
+    fn level_of_sixteen(
+        &self,
+        levels: &[u32; LANES],
+        texture: &Texture,
+        table: &[f32; 256],
+        place: &[[f32; LANES]; 2],
+        takes: &[bool; LANES],
+    ) -> [[f32; LANES]; 3] {
+        let (mut first, mut width, mut height) = ([0; LANES], [0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            let level = &self.levels[levels[lane] as usize];
+            (first[lane], width[lane], height[lane]) = (level.first, level.width, level.height);
+        }
+        let columns = taps_of_sixteen(&place[0], &width, texture.wrap_u, holo_scene::Filter::Linear);
+        let rows = taps_of_sixteen(&place[1], &height, texture.wrap_v, holo_scene::Filter::Linear);
+        let mut is_one = true;
+        for lane in 1..LANES {
+            is_one &= (levels[lane] == levels[0])
+                & (columns.first[lane] == columns.first[0])
+                & (columns.second[lane] == columns.second[0])
+                & (rows.first[lane] == rows.first[0])
+                & (rows.second[lane] == rows.second[0]);
+        }
+        let mut out = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            if !(takes[lane] | is_one) {
+                continue;
+            }
+            let (upper, lower) =
+                (rows.first[lane] as usize * width[lane] as usize, rows.second[lane] as usize * width[lane] as usize);
+            let (left, right) =
+                (first[lane] + columns.first[lane] as usize, first[lane] + columns.second[lane] as usize);
+            let places = [upper + left, upper + right, lower + left, lower + right];
+            let mut corners = [[0.0; 4]; 4];
+            for corner in 0..4 {
+                corners[corner] = if levels[lane] == 0 {
+                    let [r, g, b, _] = texture.texels[places[corner]];
+                    [table[r as usize], table[g as usize], table[b as usize], 0.0]
+                } else {
+                    self.texels[places[corner]]
+                };
+            }
+            if is_one {
+                // Sixteen neighboring views mostly see one cell between texels, which is read once.
+                let [a, b, c, d] = &corners;
+                for k in 0..3 {
+                    for lane in 0..LANES {
+                        out[k][lane] = mix([a[k], b[k], c[k], d[k]], [columns.fraction[lane], rows.fraction[lane]]);
+                    }
+                }
+                break;
+            }
+            let value = bilinear(&corners, [columns.fraction[lane], rows.fraction[lane]]);
+            for k in 0..3 {
+                out[k][lane] = value[k];
+            }
+        }
+        out
     }
 }
 
 /// Half the binary logarithm of a number of at least 1, rounded down: from the bits of its exponent.
 #[inline(always)]
-fn half_log2(x: f32) -> usize {
-    (((x.to_bits() >> 23) - 127) / 2) as usize
+fn half_log2(x: f32) -> u32 {
+    ((x.to_bits() >> 23) - 127) / 2
 }
 
-/// An image of half the size, rounded down, with the same mean.
-fn halved([width, height]: [usize; 2], texel: impl Fn(usize) -> [f32; 3]) -> Level {
-    let (columns, rows) = (halves(width), halves(height));
-    let mut texels = Vec::with_capacity(columns.len() * rows.len());
+/// Appends an image of half the size of `level`, rounded down, with the same mean. Returns its width and height.
+fn append_halved(level: Level, texels: &mut Vec<[f32; 4]>, texel: impl Fn(&[[f32; 4]], usize) -> [f32; 4]) -> [u32; 2] {
+    let Level { first, width, height } = level;
+    let (columns, rows) = (halves(width as usize), halves(height as usize));
+    texels.reserve(columns.len() * rows.len());
     for (top, row_weights) in &rows {
         for (left, column_weights) in &columns {
-            let mut sum = [0.0; 3];
+            let mut sum = [0.0; 4];
             for (row, row_weight) in row_weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
                 for (column, weight) in column_weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
-                    let texel = texel((top + row) * width + left + column);
-                    for c in 0..3 {
+                    let texel = texel(texels, first + (top + row) * width as usize + left + column);
+                    for c in 0..4 {
                         sum[c] += row_weight * weight * texel[c];
                     }
                 }
@@ -162,7 +329,7 @@ fn halved([width, height]: [usize; 2], texel: impl Fn(usize) -> [f32; 3]) -> Lev
             texels.push(sum);
         }
     }
-    Level { width: columns.len(), height: rows.len(), texels }
+    [columns.len() as u32, rows.len() as u32]
 }
 
 /// The weights with which the texels along an axis contribute to those of half the number: for each the first texel,
@@ -182,6 +349,7 @@ fn halves(size: usize) -> Vec<(usize, [f32; 3])> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::at;
 
     fn texture(width: usize, height: usize, texel: impl Fn(usize, usize) -> u8) -> Texture {
         let texels = (0..width * height).map(|k| [texel(k % width, k / width), 0, 255, 255]).collect();
@@ -206,14 +374,18 @@ mod tests {
             let sum: f64 = texture.texels.iter().map(|texel| f64::from(texel[0]) / 255.0).sum();
             let mean = sum / (width * height) as f64;
             let pyramid = Pyramid::new(&texture, &linear());
-            for level in &pyramid.levels {
-                let sum: f64 = level.texels.iter().map(|texel| f64::from(texel[0])).sum();
-                let of_level = sum / level.texels.len() as f64;
+            let mut end = 0;
+            for level in &pyramid.levels[1..] {
+                assert_eq!(level.first, end, "one after the other");
+                end += (level.width * level.height) as usize;
+                let texels = &pyramid.texels[level.first..end];
+                let sum: f64 = texels.iter().map(|texel| f64::from(texel[0])).sum();
+                let of_level = sum / texels.len() as f64;
                 assert!((of_level - mean).abs() < 1e-6, "{width} x {height}: {of_level} instead of {mean}");
-                assert!(level.texels.iter().all(|texel| (texel[2] - 1.0).abs() < 1e-6));
+                assert!(texels.iter().all(|texel| (texel[2] - 1.0).abs() < 1e-6));
             }
-            let last = pyramid.levels.last().map_or([1, 1], |level| [level.width, level.height]);
-            assert_eq!(last, [1, 1]);
+            assert_eq!(end, pyramid.texels.len());
+            assert_eq!(pyramid.levels.last().map(|level| [level.width, level.height]), Some([1, 1]));
         }
     }
 
@@ -283,6 +455,55 @@ mod tests {
         assert!(filter([[0.0; 2]; 2]).is_none());
         for bad in [f32::NAN, f32::INFINITY, 1e30] {
             assert!(filter([[bad, 0.0], [0.0, 0.1]]).is_none(), "{bad}");
+        }
+    }
+
+    /// Sixteen filtered samples together have the values of each alone: taps on all levels, beyond the edges, and lanes that
+    /// are not filtered.
+    #[test]
+    fn sixteen_filtered_samples_equal_single_ones() {
+        let table = linear();
+        let mut state = 1_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / 16_777_216.0
+        };
+        for [width, height] in [[37, 20], [64, 64], [1, 9], [1, 1]] {
+            let mut texture = texture(width, height, |x, y| (x * 37 + y * 101 + x * y * 13) as u8);
+            let pyramid = Pyramid::new(&texture, &table);
+            for round in 0..200 {
+                (texture.wrap_u, texture.wrap_v) =
+                    [(Wrap::Repeat, Wrap::Mirror), (Wrap::Mirror, Wrap::Clamp), (Wrap::Clamp, Wrap::Repeat)][round % 3];
+                let mut footprints = TextureFootprints::NONE;
+                // Every third time so near that all lie in one cell of most levels.
+                let (middle, apart) = ([random(), random()], if round % 3 == 0 { 1e-3 } else { 3.0 });
+                let center: [[f32; LANES]; 2] =
+                    std::array::from_fn(|axis| std::array::from_fn(|_| middle[axis] + apart * (random() - 0.5)));
+                for lane in 0..LANES {
+                    // From narrow to wider than the texture.
+                    let scale = 0.01 * 3.0f32.powf(5.0 * random());
+                    for side in 0..2 {
+                        for axis in 0..2 {
+                            footprints.sides[side][axis][lane] = scale * (random() - 0.5);
+                        }
+                    }
+                    footprints.is_centered[lane] = round % 2 == 0;
+                    footprints.is_inside[lane] = lane != 3;
+                }
+                let filters = Filters::new(&footprints, [width, height]);
+                let mut together = [[-1.0; LANES]; 3];
+                pyramid.sample_sixteen(&texture, &table, &center, &filters, &mut together);
+                for lane in 0..LANES {
+                    let filter = Filter::new(&footprints.of(lane), [width, height]);
+                    let filter = filter.filter(|_| footprints.is_inside[lane]);
+                    assert_eq!(filter.is_some(), filters.is_wide[lane]);
+                    let alone = match filter {
+                        Some(filter) => pyramid.sample(&texture, &table, at(&center, lane), &filter),
+                        None => [-1.0; 3],
+                    };
+                    assert_eq!(at(&together, lane).map(f32::to_bits), alone.map(f32::to_bits), "{width} {lane}");
+                }
+            }
         }
     }
 
