@@ -13,7 +13,8 @@ commit for either and builds it. Every job writes into a fresh folder:
     views                      the 400 views of one light field, in the layout of the HCI benchmark
     8k                         one raw image of 7952 x 5304 pixels, 20 x 20 views: scene_el.png, scene_vpi.png, scene_5d.mat
 
-The first eight render scenes of the gallery (--scenes) and write the raw image alone. Every round runs both programs, the
+The first eight render scenes of the gallery (--scenes) and write one file, as it is in memory: scene_5d.mat, or the raw
+image. Every round runs both programs, the
 one that begins changes. Printed is the median over the rounds of the time of OLD over that of NEW (above 1: NEW is faster),
 with the interval in which 95 % of the medians of resampled rounds lie, and the geometric mean over the scenes. With
 --fail-below the exit code is 1 if one of these means is below that. Times contain the start of the program and the syncs
@@ -45,18 +46,18 @@ FILES = {
 }
 
 # One sample a pixel that shares nothing, of a scene of the gallery.
-PLAIN = "render {scene}.glb --spp 1 --write el --quiet"
+PLAIN = "render {scene}.glb --spp 1 --quiet"
 CAMERAS = {
-    "100": "--views 100x100 --sensor 8k --reuse off",
-    "20": "--views 20x20 --sensor 8k --reuse off",
-    "9": "--views 9x9 --lenses 512x512 --reuse off",
+    "100": "--views 100x100 --sensor 8k --reuse off --write mat",
+    "20": "--views 20x20 --sensor 8k --reuse off --write mat",
+    "9": "--views 9x9 --lenses 512x512 --reuse off --write mat",
 }
 RENDERS = {
     f"{integrator}-{views}": f"{PLAIN} --integrator {integrator} {camera}"
     for integrator in ["direct", "path"]
     for views, camera in CAMERAS.items()
 } | {
-    f"raw-{integrator}": f"{PLAIN} --integrator {integrator} --camera-file lytro-illum"
+    f"raw-{integrator}": f"{PLAIN} --integrator {integrator} --camera-file lytro-illum --write raw"
     for integrator in ["direct", "path"]
 }
 

@@ -244,6 +244,7 @@ impl PlenopticCamera {
     /// # Units
     ///
     /// The position (x, y) in pixels from the upper left corner of the sensor.
+    #[inline]
     #[must_use]
     pub fn place_m(&self, position_px: [f64; 2]) -> [f64; 2] {
         let ImageSensor { size, pixel_m, offset_m, .. } = self.sensor;

@@ -169,18 +169,13 @@ impl ColorStatistics {
     /// Those of a light field of integers with three channels.
     pub(crate) fn new<T: Sample>(coded: &LightFieldOwned<T>) -> Self {
         let white = f64::from(T::WHITE.unwrap_or(1.0));
-        let samples = coded.samples();
+        // In the order of memory.
+        let samples = coded.samples().permuted_axes([0, 2, 1, 3, 4]);
         let sums = samples.axis_iter(Axis(0)).into_par_iter().map(|lens_row| {
             let mut sums = Sums::default();
-            for pixel in lens_row.rows() {
-                let mut is_clipped = false;
-                for (channel, value) in pixel.iter().take(3).enumerate() {
-                    is_clipped |= value.to_f64() == white;
-                    let value = value.to_f64() as u64;
-                    sums.values[channel] += value;
-                    sums.squares[channel] += value * value;
-                }
-                sums.clipped += u64::from(is_clipped);
+            match lens_row.as_slice() {
+                Some(values) => values.chunks_exact(coded.channels()).for_each(|pixel| sums.count(pixel, white)),
+                None => lens_row.rows().into_iter().for_each(|pixel| sums.count(&pixel.to_vec(), white)),
             }
             sums
         });
@@ -198,6 +193,18 @@ impl ColorStatistics {
 }
 
 impl Sums {
+    /// Adds a pixel, in whose channels `white` is the largest integer.
+    fn count<T: Sample>(&mut self, pixel: &[T], white: f64) {
+        let mut is_clipped = false;
+        for (channel, value) in pixel.iter().take(3).enumerate() {
+            is_clipped |= value.to_f64() == white;
+            let value = value.to_f64() as u64;
+            self.values[channel] += value;
+            self.squares[channel] += value * value;
+        }
+        self.clipped += u64::from(is_clipped);
+    }
+
     fn add(mut self, other: Self) -> Self {
         for channel in 0..3 {
             self.values[channel] += other.values[channel];

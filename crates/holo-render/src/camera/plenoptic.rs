@@ -8,6 +8,8 @@
 //!
 //! Source: [`holo_core::plenoptic::PlenopticCamera`], in f64.
 
+use std::sync::OnceLock;
+
 use holo_core::plenoptic::{LitRegion, Microlens, MicrolensIndex, PlenopticCamera};
 
 use super::CameraRays;
@@ -53,6 +55,31 @@ pub(crate) struct PlenopticRays {
     near: f32,
     /// Disparity = scale * (1 / depth - inverse focus), px between the views of neighboring pixels.
     disparity_scale_m_px: f64,
+    whole: WholeLens,
+}
+
+/// A microlens that is lit whole, as most are in unfocused cameras: its cells are the same for all places.
+struct WholeLens {
+    region: LitRegion,
+    /// The number of cells along each axis, and the cells row by row.
+    parts: OnceLock<(u32, Vec<Option<LensPart>>)>,
+}
+
+impl WholeLens {
+    /// The part of the cell that begins in this column and row of `count` x `count`.
+    #[inline(always)]
+    fn part(&self, [column, row]: [f64; 2], count: u32) -> Option<LensPart> {
+        let all = || {
+            let corner = |k: u32| [k % count, k / count].map(|k| f64::from(k) / f64::from(count));
+            (count, (0..count * count).map(|k| LensPart::new(&self.region, corner(k), count)).collect())
+        };
+        let (known, parts) = self.parts.get_or_init(all);
+        if *known == count {
+            parts[(row as u32 * count + column as u32) as usize]
+        } else {
+            LensPart::new(&self.region, [column / f64::from(count), row / f64::from(count)], count)
+        }
+    }
 }
 
 impl RawLens {
@@ -118,6 +145,7 @@ impl RawPacket {
 }
 
 /// A cell of a microlens.
+#[derive(Clone, Copy)]
 struct LensPart {
     /// The mean of its points, m from the center of the microlens.
     mean: [f64; 2],
@@ -153,10 +181,10 @@ impl LensPart {
     }
 }
 
-/// Where the cell of a place between 0 and 1 begins, if there are `count` of them.
+/// The number of the cell of a place between 0 and 1, of `count`.
 #[inline(always)]
-fn cell_start(place: f64, count: u32) -> f64 {
-    (place * f64::from(count)).floor().min(f64::from(count) - 1.0) / f64::from(count)
+fn cell(place: f64, count: u32) -> f64 {
+    (place * f64::from(count)).floor().min(f64::from(count) - 1.0)
 }
 
 impl PlenopticRays {
@@ -167,6 +195,10 @@ impl PlenopticRays {
             scale: 1.0 / (camera.array().aperture.area_m2() * camera.central_cos4()),
             near: (-camera.entrance_pupil_offset_m() as f32).max(f32::MIN_POSITIVE),
             disparity_scale_m_px: views.baseline_m / views.slope_per_lens,
+            whole: WholeLens {
+                region: camera.relative_lit_region(&camera.microlens(MicrolensIndex { row: 0, column: 0 }), [0.0; 2]),
+                parts: OnceLock::new(),
+            },
             camera: camera.clone(),
         }
     }
@@ -289,17 +321,22 @@ impl PlenopticRays {
             let lens = &self.pixels.lenses[pixels.lens[lane] as usize].lens;
             let middle = self.on_sensor(pixels, lane, lens);
             let (mut on_sensor, mut center) = ([0.0; 2], [0.0; 2]);
-            let mut cell = [0.0; 2];
+            let mut of_lens = [0.0; 2];
             for axis in 0..2 {
                 let sign = if axis == 0 { 1.0 } else { -1.0 };
                 let place = f64::from(on_pixel[axis][lane]);
                 on_sensor[axis] = middle[axis] + sign * (place - 0.5) * width;
-                center[axis] = middle[axis] + sign * (cell_start(place, count) + 0.5 / f64::from(count) - 0.5) * width;
-                cell[axis] = cell_start(f64::from(on_lens[axis][lane]), count);
+                let start = cell(place, count) / f64::from(count);
+                center[axis] = middle[axis] + sign * (start + 0.5 / f64::from(count) - 0.5) * width;
+                of_lens[axis] = cell(f64::from(on_lens[axis][lane]), count);
             }
-            let Some(part) = LensPart::new(&self.camera.relative_lit_region(lens, on_sensor), cell, count) else {
-                continue;
+            let region = self.camera.relative_lit_region(lens, on_sensor);
+            let part = if region == self.whole.region {
+                self.whole.part(of_lens, count)
+            } else {
+                LensPart::new(&region, [of_lens[0] / f64::from(count), of_lens[1] / f64::from(count)], count)
             };
+            let Some(part) = part else { continue };
             let at = self.camera.relative_ray(lens, on_sensor, part.mean);
             let beside = self.camera.relative_ray(lens, [on_sensor[0] + width, on_sensor[1]], part.mean);
             let across = self.camera.relative_ray(lens, on_sensor, [part.mean[0] + unit, part.mean[1]]);

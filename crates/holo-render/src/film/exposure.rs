@@ -4,7 +4,7 @@
 //! Exposure is exposure compensation in EV (stops): linear values are multiplied by 2^EV.
 
 use holo_core::{Layout, LightField, LightFieldOwned};
-use ndarray::{Axis, Data, Zip};
+use ndarray::{ArrayView3, ArrayView4, Axis, Data, Zip};
 use rayon::prelude::*;
 
 use crate::error::Error;
@@ -18,6 +18,13 @@ const PERCENTILE_TARGET: f64 = 0.8;
 const STEPS_PER_STOP: f64 = 16.0;
 const DARKEST_STOP: f64 = -64.0;
 const STOPS: usize = 128;
+const BUCKETS: usize = STOPS * STEPS_PER_STOP as usize;
+
+/// Rows of pixels that one task counts.
+const ROWS_AT_ONCE: usize = 32;
+
+/// Values that one task encodes.
+const VALUES_AT_ONCE: usize = 1 << 16;
 
 /// Returns the exposure, EV, at which 99 % of the pixels that are not black lie below 80 % of the linear range of the
 /// display. It is computed from the whole light field, so that all views have the same exposure; 0 if all pixels are
@@ -27,30 +34,25 @@ const STOPS: usize = 128;
 /// A multiple of 1/16 EV. It is computed from an integer histogram, so it does not depend on the number of threads.
 #[must_use]
 pub fn automatic_exposure(color: &LightField<impl Data<Elem = f32>>) -> f64 {
-    let buckets = (STOPS as f64 * STEPS_PER_STOP) as usize;
-    let samples = color.samples();
-    let histogram = samples
-        .axis_iter(Axis(0))
-        .into_par_iter()
-        .map(|row| {
-            let mut histogram = vec![0u64; buckets];
-            for pixel in row.rows() {
-                // Luminance, Rec. 709; gray images have one channel.
-                let luminance = match pixel.as_slice() {
-                    Some([r, g, b, ..]) => 0.2126 * r + 0.7152 * g + 0.0722 * b,
-                    _ => pixel[0],
-                };
-                if luminance > 0.0 && luminance.is_finite() {
-                    // log2 from the bits: exact at powers of two, linear between; the buckets only need to be ordered.
-                    let bits = luminance.to_bits();
-                    let log2 = f64::from((bits >> 23) as i32 - 127) + f64::from(bits & 0x7F_FFFF) / f64::from(1 << 23);
-                    let bucket = (log2 - DARKEST_STOP) * STEPS_PER_STOP;
-                    histogram[bucket.clamp(0.0, buckets as f64 - 1.0) as usize] += 1;
-                }
-            }
-            histogram
-        })
-        .reduce(|| vec![0; buckets], |a, b| a.iter().zip(&b).map(|(x, y)| x + y).collect());
+    let of_rows = |rows: ArrayView3<f32>| {
+        let mut histogram = vec![0u64; BUCKETS];
+        match rows.as_slice() {
+            Some(values) => values.chunks_exact(rows.dim().2).for_each(|pixel| count(&mut histogram, pixel)),
+            None => rows.rows().into_iter().for_each(|pixel| count(&mut histogram, &pixel.to_vec())),
+        }
+        histogram
+    };
+    let add = |a: Vec<u64>, b: Vec<u64>| a.iter().zip(&b).map(|(x, y)| x + y).collect();
+    let none = || vec![0; BUCKETS];
+    let histogram = match color.as_elemental_grid() {
+        Some(image) => image.axis_chunks_iter(Axis(0), ROWS_AT_ONCE).into_par_iter().map(of_rows).reduce(none, add),
+        None => {
+            let views = color.samples();
+            let rows = views.axis_iter(Axis(0)).into_par_iter();
+            let of_row = |row: ArrayView4<f32>| row.axis_iter(Axis(0)).map(of_rows).reduce(add).unwrap_or_else(none);
+            rows.map(of_row).reduce(none, add)
+        }
+    };
     let total: u64 = histogram.iter().sum();
     let mut seen = 0;
     for (bucket, &count) in histogram.iter().enumerate() {
@@ -63,6 +65,22 @@ pub fn automatic_exposure(color: &LightField<impl Data<Elem = f32>>) -> f64 {
         }
     }
     0.0
+}
+
+/// Counts a pixel by its luminance, if that is finite and not black.
+#[inline]
+fn count(histogram: &mut [u64], pixel: &[f32]) {
+    // Rec. 709; gray images have one channel.
+    let luminance = match pixel {
+        [r, g, b, ..] => 0.2126 * r + 0.7152 * g + 0.0722 * b,
+        _ => pixel[0],
+    };
+    if luminance > 0.0 && luminance.is_finite() {
+        // The exponent with the first bits of the mantissa: log2 in sixteenths, exact at powers of two and linear between. The
+        // buckets only need to be ordered.
+        let step = (luminance.to_bits() >> 19) as i32 - ((127 << 4) + (DARKEST_STOP * STEPS_PER_STOP) as i32);
+        histogram[step.clamp(0, BUCKETS as i32 - 1) as usize] += 1;
+    }
 }
 
 /// Encodes linear radiance as 8-bit sRGB: exposure (EV), clamping, transfer curve, rounding to nearest. The axes stay
@@ -94,7 +112,18 @@ fn encode<T: Copy + Default + Send + Sync>(
     let split = color.shape();
     let factor = exposure_ev.exp2() as f32;
     let mut coded = LightField::filled(split, color.channels(), Layout::ElementalGrid, T::default())?;
-    Zip::from(coded.samples_mut()).and(color.samples()).par_for_each(|coded, &x| *coded = code(x * factor));
+    // In the order of the elemental image array.
+    let order = [0, 2, 1, 3, 4];
+    let mut to = coded.samples_mut().permuted_axes(order);
+    let from = color.samples().permuted_axes(order);
+    match (to.as_slice_mut(), from.as_slice()) {
+        (Some(to), Some(from)) => {
+            to.par_chunks_mut(VALUES_AT_ONCE).zip(from.par_chunks(VALUES_AT_ONCE)).for_each(|(to, from)| {
+                to.iter_mut().zip(from).for_each(|(code_of, &x)| *code_of = code(x * factor));
+            });
+        }
+        _ => Zip::from(to).and(from).par_for_each(|to, &x| *to = code(x * factor)),
+    }
     Ok(coded)
 }
 
@@ -118,6 +147,18 @@ mod tests {
         assert_eq!(automatic_exposure(&field(|k| 2e-3 * (k + 1) as f32)), base - 1.0);
         // The 99th percentile of a ramp up to 0.84 is 0.83; it is mapped to 0.8.
         assert!((base - (0.8f64 / 0.83).log2()).abs() < 2.0 / STEPS_PER_STOP, "{base}");
+    }
+
+    /// A light field in the order of views, and a part of one, have the exposure and the codes of their pixels.
+    #[test]
+    fn the_order_in_memory_does_not_matter() {
+        let grid = field(|k| 1e-3 * (k * 7919 % 840 + 1) as f32);
+        let mut views = LightField::filled(grid.shape(), 3, Layout::ViewpointGrid, 0.0).unwrap();
+        views.samples_mut().assign(&grid.samples());
+        assert_eq!(automatic_exposure(&views), automatic_exposure(&grid));
+        assert_eq!(encode_8bit(&views, 0.5).unwrap().samples(), encode_8bit(&grid, 0.5).unwrap().samples());
+        let part = grid.clip_views(1..3, 0..5).unwrap();
+        assert_eq!(automatic_exposure(&part), automatic_exposure(&part.to_owned().unwrap()));
     }
 
     #[test]

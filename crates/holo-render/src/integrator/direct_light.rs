@@ -44,6 +44,9 @@ pub(super) fn add(
     let selection = LightSelection::new(context, here, matches!(step, Step::Gathers(_)));
     let numbers = selection.numbers(context, here);
     let mut reservoir = Reservoir::new(numbers[0]);
+    let is_absorbed = context.scene.has_media
+        && !context.policy.transparent_shadows
+        && !(media::are_air(&here.paths.media) && media::are_air(&here.media_behind));
     for k in 0..selection.count() {
         let (light, found) = match (selection.role(k), step) {
             (Role::Found(lane), Step::Gathers(shared)) => {
@@ -61,7 +64,7 @@ pub(super) fn add(
             continue;
         }
         let mut contribution = unoccluded(here, &response, &light);
-        if context.scene.has_media && !context.policy.transparent_shadows {
+        if is_absorbed {
             absorb(context, here, &light, &mut contribution);
         }
         if let Role::Candidate { group, first, last } = selection.role(k) {

@@ -27,7 +27,7 @@ use std::ops::Range;
 
 use ndarray::ArrayViewMut5;
 
-use super::paths::{self, PathPacket, Paths, Query, Scattered};
+use super::paths::{self, Order, PathPacket, Paths, Scattered};
 use super::reuse::{self, SharedLight, Step};
 use super::shade::{self, Shading};
 use super::unseen::Unseen;
@@ -294,7 +294,12 @@ impl TilePaths<'_> {
         let per_sample = self.scratch.color.len();
         let packets = match vertex {
             0 => per_sample * (end - first) as usize,
-            _ => self.trace_scattered(vertex).div_ceil(LANES),
+            _ => {
+                self.scratch.now.sort_to_trace(&mut self.scratch.next, context.scene.geometry);
+                let count =
+                    if self.only_light_counts(vertex) { self.scratch.now.len() } else { self.trace_scattered(vertex) };
+                count.div_ceil(LANES)
+            }
         };
         let mut pixel_packets = context.camera.packets(tile);
         let mut packet = RayHits::EMPTY;
@@ -327,7 +332,7 @@ impl TilePaths<'_> {
                 self.counts.primary += if stage.gathers { 0 } else { count(&traced.paths.valid) };
                 traced
             } else {
-                self.scattered_rays(k, &mut packet)
+                self.scattered_rays(k, vertex, &mut packet)
             };
             self.shade(stage, k, &packet, traced);
         }
@@ -450,18 +455,18 @@ impl TilePaths<'_> {
         }
     }
 
+    /// Whether rays to this vertex bring only the light behind the scene: after the last bounce, if no surface emits.
+    #[inline(always)]
+    fn only_light_counts(&self, vertex: u32) -> bool {
+        vertex == self.context.policy.max_bounces && !self.context.scene.has_emission
+    }
+
     /// Traces the rays that were scattered at the previous vertex; returns the number of those that bring something.
     #[inline(always)]
     fn trace_scattered(&mut self, vertex: u32) -> usize {
         let context = self.context;
         let (geometry, engine) = (context.scene.geometry, context.scene.engine);
-        // After the last bounce only emission and the environment contribute.
-        let query = if vertex == context.policy.max_bounces && !context.scene.has_emission {
-            Query::Occlusion
-        } else {
-            Query::Nearest { misses_count: context.scene.has_light_at_infinity() }
-        };
-        self.scratch.now.sort_to_trace(&mut self.scratch.next, geometry);
+        let misses_count = context.scene.has_light_at_infinity();
         let mut packet = RayHits::EMPTY;
         let mut mean_changes = 0.0;
         for k in 0..self.scratch.now.len().div_ceil(LANES) {
@@ -471,16 +476,12 @@ impl TilePaths<'_> {
             if context.scene.has_alpha {
                 packet.rays.id = sampling::ray_numbers(&self.sequences(&rays.pixel), &rays.index, vertex);
             }
-            if query == Query::Occlusion {
-                engine.occluded(&rays.valid, &mut packet.rays, Coherence::Incoherent);
-            } else {
-                // Neighbors in direction hit neighboring surfaces: the packets before tell how much apart.
-                let is_coherent = mean_changes <= SCATTERED_CHANGES;
-                let coherence = if is_coherent { Coherence::Coherent } else { Coherence::Incoherent };
-                engine.intersect(&rays.valid, &mut packet, coherence);
-                mean_changes += (paths::changes(&packet) as f32 - mean_changes) * LAST_CHANGES;
-            }
-            self.scratch.now.record(k, &packet, geometry, query);
+            // Neighbors in direction hit neighboring surfaces: the packets before tell how much apart.
+            let is_coherent = mean_changes <= SCATTERED_CHANGES;
+            let coherence = if is_coherent { Coherence::Coherent } else { Coherence::Incoherent };
+            engine.intersect(&rays.valid, &mut packet, coherence);
+            mean_changes += (paths::changes(&packet) as f32 - mean_changes) * LAST_CHANGES;
+            self.scratch.now.record(k, &packet, geometry, misses_count);
         }
         self.scratch.now.sort_to_shade()
     }
@@ -501,14 +502,29 @@ impl TilePaths<'_> {
         sequences
     }
 
-    /// Packet number `k` of the rays that were scattered at the previous vertex and bring something.
+    /// Packet number `k` of the rays that were scattered at the previous vertex and bring something. Those that bring only the
+    /// light behind the scene are traced here, and valid if nothing hides it.
     #[inline(always)]
-    fn scattered_rays(&self, k: usize, packet: &mut RayHits) -> Traced {
-        let paths = self.scratch.now.packet(k, packet);
+    fn scattered_rays(&mut self, k: usize, vertex: u32, packet: &mut RayHits) -> Traced {
+        let context = self.context;
+        let only_light_counts = self.only_light_counts(vertex);
+        let order = if only_light_counts { Order::Traced } else { Order::Shaded };
+        let mut paths = self.scratch.now.packet(k, order, packet);
         let sequences = self.sequences(&paths.pixel);
+        if only_light_counts {
+            self.counts.secondary += count(&paths.valid);
+            packet.rays.near = [0.0; LANES];
+            if context.scene.has_alpha {
+                packet.rays.id = sampling::ray_numbers(&sequences, &paths.index, vertex);
+            }
+            context.scene.engine.occluded(&paths.valid, &mut packet.rays, Coherence::Incoherent);
+            for lane in 0..LANES {
+                paths.valid.0[lane] &= -i32::from(packet.rays.far[lane] >= 0.0);
+            }
+        }
         let mut points = HitPoints::NONE;
         if packet.hits.triangle.iter().any(|&triangle| triangle != NO_TRIANGLE) {
-            points = HitPoints::secondary(self.context.scene.geometry, packet);
+            points = HitPoints::secondary(context.scene.geometry, packet);
         }
         Traced { paths, sequences, points, coherence: Coherence::Incoherent }
     }

@@ -126,13 +126,13 @@ pub(crate) struct Paths {
     starts: Vec<u32>,
 }
 
-/// What a packet of rays is traced for.
+/// The order in which packets of paths are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Query {
-    /// The nearest hits; where nothing is hit there is light at infinity, or not.
-    Nearest { misses_count: bool },
-    /// Light at infinity alone: any hit ends the path.
-    Occlusion,
+pub(crate) enum Order {
+    /// That in which they are traced.
+    Traced,
+    /// That in which they are shaded, without those that bring nothing.
+    Shaded,
 }
 
 /// Sixteen rays of paths before they are traced.
@@ -199,20 +199,17 @@ impl Paths {
         out
     }
 
-    /// Records what packet number `index` has hit; packets are recorded in order.
+    /// Records what packet number `index` has hit; packets are recorded in order. Rays that have hit nothing bring light if
+    /// `misses_count`.
     #[inline(always)]
-    pub fn record(&mut self, index: usize, packet: &RayHits, geometry: &Geometry, query: Query) {
+    pub fn record(&mut self, index: usize, packet: &RayHits, geometry: &Geometry, misses_count: bool) {
         let hits = &packet.hits;
         let first = index * LANES;
         for lane in 0..LANES.min(self.paths.len() - first) {
             let k = first + lane;
             let (far, triangle) = (packet.rays.far[lane], hits.triangle[lane]);
             self.paths[k].hit = PathHit { far, u: hits.u[lane], v: hits.v[lane], triangle };
-            let brings = match query {
-                Query::Nearest { misses_count } => misses_count | (triangle != NO_TRIANGLE),
-                Query::Occlusion => far >= 0.0,
-            };
-            let mut bin = if brings { 0 } else { NOTHING };
+            let mut bin = if misses_count { 0 } else { NOTHING };
             if triangle != NO_TRIANGLE {
                 if geometry.is_instanced() {
                     self.placements[k] = hits.instance[lane];
@@ -230,9 +227,9 @@ impl Paths {
         self.order.len()
     }
 
-    /// Packet number `index` in the order of shading; writes its rays and their hits to `packet`.
+    /// Packet number `index` in an order; writes its rays and their hits to `packet`.
     #[inline(always)]
-    pub fn packet(&self, index: usize, packet: &mut RayHits) -> PathPacket {
+    pub fn packet(&self, index: usize, order: Order, packet: &mut RayHits) -> PathPacket {
         let mut out = PathPacket {
             valid: Lanes([0; LANES]),
             bsdf_pdf: [0.0; LANES],
@@ -243,10 +240,12 @@ impl Paths {
             media: [MediaStack::AIR; LANES],
         };
         let first = index * LANES;
+        let count = if order == Order::Shaded { self.order.len() } else { self.paths.len() };
         for lane in 0..LANES {
             // Lanes beyond the end repeat the last path, are invalid and have no hit.
-            let is_valid = first + lane < self.order.len();
-            let k = self.order[(first + lane).min(self.order.len() - 1)] as usize;
+            let is_valid = first + lane < count;
+            let place = (first + lane).min(count - 1);
+            let k = if order == Order::Shaded { self.order[place] as usize } else { place };
             let path = &self.paths[k];
             for axis in 0..3 {
                 packet.rays.origin[axis][lane] = path.origin[axis];
@@ -382,7 +381,7 @@ mod tests {
     fn recorded(
         geometry: &Geometry,
         count: u32,
-        query: Query,
+        misses_count: bool,
         hit: impl Fn(u32) -> Option<crate::geometry::Hit>,
     ) -> Paths {
         let (mut scattered, mut paths) = (Scattered::default(), Paths::default());
@@ -399,15 +398,13 @@ mod tests {
             let rays = paths.rays(k, &mut packet.rays);
             for lane in (0..LANES).filter(|&lane| rays.valid.0[lane] != 0) {
                 if let Some(found) = hit(rays.pixel[lane]) {
-                    packet.rays.far[lane] = if query == Query::Occlusion { f32::NEG_INFINITY } else { 1.0 };
-                    if query != Query::Occlusion {
-                        packet.hits.triangle[lane] = found.triangle;
-                        packet.hits.instance[lane] = found.placement;
-                        packet.hits.u[lane] = rays.pixel[lane] as f32;
-                    }
+                    packet.rays.far[lane] = 1.0;
+                    packet.hits.triangle[lane] = found.triangle;
+                    packet.hits.instance[lane] = found.placement;
+                    packet.hits.u[lane] = rays.pixel[lane] as f32;
                 }
             }
-            paths.record(k, &packet, geometry, query);
+            paths.record(k, &packet, geometry, misses_count);
         }
         paths
     }
@@ -424,12 +421,12 @@ mod tests {
                 (k % 4 != 1).then_some(crate::geometry::Hit { triangle: k * 7 % triangles, placement })
             };
             for misses_count in [true, false] {
-                let mut paths = recorded(&geometry, 1003, Query::Nearest { misses_count }, hit);
+                let mut paths = recorded(&geometry, 1003, misses_count, hit);
                 let shaded = paths.sort_to_shade();
                 let mut seen = Vec::new();
                 for k in 0..shaded.div_ceil(LANES) {
                     let mut packet = RayHits::EMPTY;
-                    let found = paths.packet(k, &mut packet);
+                    let found = paths.packet(k, Order::Shaded, &mut packet);
                     for lane in 0..LANES {
                         let pixel = found.pixel[lane];
                         if found.valid.0[lane] == 0 {
@@ -446,23 +443,16 @@ mod tests {
                     }
                 }
                 assert!(seen.is_sorted(), "by instance, direction, pixel");
+                // Before they are sorted, all are in the order in which they were traced.
+                let mut packet = RayHits::EMPTY;
+                let traced = (0..1003_usize.div_ceil(LANES)).flat_map(|k| {
+                    let found = paths.packet(k, Order::Traced, &mut packet);
+                    (0..LANES).filter(move |&lane| found.valid.0[lane] != 0).map(move |lane| found.pixel[lane])
+                });
+                assert!(traced.eq(paths.paths.iter().map(|path| path.pixel)));
                 let expected = (0..1003).filter(|&k| misses_count || hit(k).is_some()).count();
                 assert_eq!((seen.len(), shaded), (expected, expected), "every ray once");
             }
         }
-    }
-
-    #[test]
-    fn occluded_rays_are_left_out() {
-        let geometry = soup(4, 1);
-        let hit = |k: u32| (k % 5 != 2).then_some(crate::geometry::Hit::flattened(0));
-        let mut paths = recorded(&geometry, 77, Query::Occlusion, hit);
-        let count = paths.sort_to_shade();
-        let mut packet = RayHits::EMPTY;
-        let first = paths.packet(0, &mut packet);
-        assert_eq!(count, 15);
-        assert!((0..count).all(|lane| first.pixel[lane] % 5 == 2 && first.valid.0[lane] != 0));
-        assert_eq!(first.valid.0[count], 0);
-        assert!(packet.hits.triangle.iter().all(|&triangle| triangle == NO_TRIANGLE));
     }
 }
