@@ -22,8 +22,8 @@ pub use self::given::{Given, PRESETS, Preset, spelled};
 pub use self::table::{LightSettings, OutputSettings, RigSettings, SceneSettings};
 pub(crate) use self::types::number_of_samples;
 pub use self::types::{
-    EngineSettings, Exposure, Focus, Frames, LayerChoice, Output, Pixels, RawLayer, SensorName, Shard, Sky, Spacing,
-    Tool, ViewSubset,
+    EngineSettings, Exposure, Focus, Frames, LayerChoice, Output, Pixels, Point, RawLayer, SensorName, Shard, Sky,
+    Spacing, Tool, ViewSubset,
 };
 pub(crate) use self::value::text as value_text;
 pub use self::value::{Kind, Malformed, SettingType, Word, not_negative, positive, range, share};

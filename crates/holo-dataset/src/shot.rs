@@ -8,6 +8,7 @@
 
 mod choices;
 mod engine;
+mod ground;
 mod identity;
 mod job;
 mod library;
@@ -19,13 +20,14 @@ mod runner;
 mod sky;
 mod source;
 mod trace;
+mod viewpoint;
 mod warning;
 
 pub(crate) use self::engine::{engine_name, libraries};
 pub(crate) use self::identity::{camera_digest, poses_digest};
 pub use self::job::{Event, RenderJob, Rendering, RunOptions, Shot, ShotOutcome};
 pub use self::prepare::{Prepared, Stage};
-pub(crate) use self::prepare::{pose_of_scene, shifted};
+pub(crate) use self::prepare::{half_view, pose_of_scene, shifted};
 pub use self::report::{CameraReport, RenderReport, Seconds};
 pub(crate) use self::runner::Runner;
 pub use self::source::SceneSource;

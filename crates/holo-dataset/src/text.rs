@@ -17,8 +17,10 @@ pub fn shape(shape: &LightFieldShape) -> String {
 /// The lengths of a rig, and the disparities of what it sees, smallest and largest, px.
 #[must_use]
 pub fn rig(rig: &Rig, disparity_px: Option<(f64, f64)>) -> String {
+    // Less is the rounding of depths.
+    let pixels = |px: f64| number(if px.abs() < 1e-9 { 0.0 } else { px });
     let range = match disparity_px {
-        Some((min, max)) => format!("disparity {} to {} px between adjacent views", number(min), number(max)),
+        Some((min, max)) => format!("disparity {} to {} px between adjacent views", pixels(min), pixels(max)),
         None => "disparity range unknown".into(),
     };
     let focus = match rig.focus_distance_m() {

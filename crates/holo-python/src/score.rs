@@ -49,6 +49,7 @@ pub fn evaluate<'py>(
         let angle = median_angle_error_deg(&estimate, &truth, &rig.0, NormalGeometry::Pinhole, &region)?;
         dict.set_item("median_angle_deg", angle.value)?;
     }
+    dict.set_item("border_px", border_px)?;
     dict.set_item("compared", scores.counts.compared)?;
     dict.set_item("estimate_not_finite", scores.counts.estimate_not_finite)?;
     dict.set_item("truth_not_finite", scores.counts.truth_not_finite)?;

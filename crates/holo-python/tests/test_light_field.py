@@ -114,9 +114,10 @@ def test_refocus_estimate_evaluate(rendering):
     estimate, confidence = field.disparity(confidence=True)
     assert estimate.shape == confidence.shape == truth.shape
     scores = holo.evaluate(estimate, truth, rig=field.rig)
-    assert scores["compared"] == np.isfinite(truth).sum()
+    assert scores["border_px"] == 15 and scores["compared"] == np.isfinite(truth[15:-15, 15:-15]).sum()
     assert scores["mean_absolute_error_px"] < 0.3, scores
-    perfect = holo.evaluate(truth, truth)
+    perfect = holo.evaluate(truth, truth, border=0)
+    assert perfect["compared"] == np.isfinite(truth).sum()
     assert perfect["mean_absolute_error_px"] == 0.0 and perfect["bad_pixels_0.01_percent"] == 0.0
     score = holo.compare(field.central, field.central)
     assert score.psnr_db == np.inf and abs(score.ssim - 1.0) < 1e-12

@@ -47,10 +47,13 @@ pub struct OfInfo;
 pub struct OfOptics;
 
 /// Settings of a scene file.
-const SCENE: [&str; 6] = ["light-units", "solid-glass", "material-variant", "frame", "fps", "animation"];
+const SCENE: [&str; 7] = ["light-units", "solid-glass", "material-variant", "frame", "fps", "animation", "ground"];
+
+/// Settings that place the camera of a scene.
+const VIEWPOINT: [&str; 6] = ["camera", "eye", "target", "up", "fov-deg", "fit-object"];
 
 /// Settings of a rig.
-const RIG: [&str; 13] = [
+const RIG: [&str; 12] = [
     "sensor",
     "f-number",
     "focus-m",
@@ -62,7 +65,6 @@ const RIG: [&str; 13] = [
     "focal-mm",
     "sensor-mm",
     "projection",
-    "camera",
     "subset",
 ];
 
@@ -75,7 +77,7 @@ impl Scope for OfRender {
 impl Scope for OfDataset {
     fn has(key: &str) -> bool {
         let of_all = ["sensor", "lenses", "f-number", "focus-m", "disparity"];
-        of_all.contains(&key) || !RIG.contains(&key)
+        of_all.contains(&key) || !(RIG.contains(&key) || VIEWPOINT.contains(&key))
     }
 
     fn help(key: &str) -> Option<String> {
@@ -86,13 +88,13 @@ impl Scope for OfDataset {
 
 impl Scope for OfInfo {
     fn has(key: &str) -> bool {
-        SCENE.contains(&key) || RIG.contains(&key)
+        SCENE.contains(&key) || VIEWPOINT.contains(&key) || RIG.contains(&key)
     }
 }
 
 impl Scope for OfOptics {
     fn has(key: &str) -> bool {
-        RIG.contains(&key) && !["lens-shifts", "projection", "camera", "subset"].contains(&key)
+        RIG.contains(&key) && !["lens-shifts", "projection", "subset"].contains(&key)
     }
 
     fn help(key: &str) -> Option<String> {

@@ -126,11 +126,11 @@ pub enum NormalsArgument {
 }
 
 #[derive(Args, Debug)]
-#[command(group(ArgGroup::new("slice").required(true).args(["row", "column"])))]
+#[command(group(ArgGroup::new("slice").args(["row", "column"])))]
 pub struct EpiOptions {
     #[command(flatten)]
     pub input: InputOptions,
-    /// Row V of the pixels, as the views of view row T see it, from 0.
+    /// Row V of the pixels, as the views of view row T see it, from 0 [default: the central ones].
     #[arg(long, value_name = "V,T", value_parser = values::row_of_pixels)]
     pub row: Option<Pair>,
     /// Column U of the pixels, as the views of view column S see it, from 0.

@@ -9,7 +9,10 @@ pub fn run(options: &EpiOptions) -> Result<(), Failure> {
     let slice = match (options.row, options.column) {
         (Some(at), _) => light_field.epi_row(at.column, at.row)?,
         (None, Some(at)) => light_field.epi_column(at.column, at.row)?,
-        (None, None) => return Err(Failure::Usage("give --row V,T or --column U,S".into())),
+        (None, None) => {
+            let shape = light_field.shape();
+            light_field.epi_row(shape.lenses().rows / 2, shape.views().rows / 2)?
+        }
     };
     files::write(&options.out, slice)
 }

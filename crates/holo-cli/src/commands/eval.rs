@@ -77,6 +77,7 @@ fn maps(options: &EvalOptions) -> Result<Vec<NamedQuantity>, Failure> {
     }
     let counts = scores.counts;
     for (key, name, count) in [
+        ("border_px", "border left out at every side", options.border),
         ("compared", "pixels compared", counts.compared),
         ("estimate_not_finite", "without a finite estimate", counts.estimate_not_finite),
         ("truth_not_finite", "without a finite truth", counts.truth_not_finite),

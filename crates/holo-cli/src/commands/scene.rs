@@ -9,7 +9,9 @@ use crate::failure::Failure;
 pub fn run(options: &SceneOptions) -> Result<(), Failure> {
     let known = [gallery::NAMES, gallery::ANIMATED].concat();
     let Some(name) = &options.name else {
-        out!("{}", known.join("\n"))?;
+        for name in &known {
+            out!("{name:18} {}", gallery::purpose(name).unwrap_or_default())?;
+        }
         return Ok(());
     };
     let (scene, glb) = gallery::scene(name)

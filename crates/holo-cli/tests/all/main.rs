@@ -35,4 +35,5 @@ mod signals;
 mod subsets;
 mod tools;
 mod viewer;
+mod viewpoint;
 mod wrong_use;

@@ -9,8 +9,10 @@ fn the_gallery_is_listed() {
     let bench = Bench::new();
     let outcome = bench.run("scene");
     assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""));
-    let names: Vec<&str> = outcome.stdout.lines().collect();
+    let lines = outcome.stdout.lines().map(|line| line.split_once(' ').expect("a name, and what it is for"));
+    let (names, purposes): (Vec<&str>, Vec<&str>) = lines.unzip();
     assert_eq!(names, [holo_scene::gallery::NAMES, holo_scene::gallery::ANIMATED].concat());
+    assert!(purposes.iter().all(|purpose| !purpose.trim().is_empty()), "{purposes:?}");
     assert_eq!(bench.list(""), [common::SCENE], "listing writes nothing");
 }
 

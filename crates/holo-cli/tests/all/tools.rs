@@ -182,6 +182,10 @@ fn an_epi_is_a_row_of_pixels_as_a_row_of_views_sees_it() {
     bench.render("out", "");
     ok(bench.run("epi out --row 3,1 --out row.png"));
     ok(bench.run("epi out --column 7,2 --out column.png"));
+    // 8 rows of lenses, 4 of views.
+    ok(bench.run("epi out --row 4,2 --out given.png"));
+    ok(bench.run("epi out --out central.png"));
+    assert!(std::fs::read(bench.path("given.png")).unwrap() == std::fs::read(bench.path("central.png")).unwrap());
     let raw = read_u8(bench.path("out/scene_vpi.png"));
     let (views, lenses) = (small_split().views(), small_split().lenses());
     let (row, column) = (read_u8(bench.path("row.png")), read_u8(bench.path("column.png")));
@@ -213,7 +217,6 @@ fn wrong_use_is_said() {
         ("refocus alone/scene_el.png --views 5x4 --distance-m 1 --out x.png", "camera parameters are unknown"),
         ("depth out --out x.pfm --range 2,1", "MIN,MAX"),
         ("eval out/scene_el.png out/scene_el.png --mask out/scene_el.png", "are for disparity maps"),
-        ("epi out --out x.png", "--row"),
         ("epi out --row 8,0 --out x.png", "lens row"),
         ("epi out --row 0,0 --out x.pfm", ".png"),
         ("refocus out --disparity 0 --aperture disc:-1 --out x.png", "disc:D"),

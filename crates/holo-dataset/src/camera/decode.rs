@@ -15,7 +15,7 @@ use crate::output::raw::{lit_white_image, write_white};
 use crate::output::{Exposed, OutputFolder, Rollback, Traced, TracedCamera, TracedViews, Wanted, exposure_ev, write};
 use crate::resume::identity::check_replaceable;
 use crate::settings::{EngineSettings, Output, RenderSettings};
-use crate::shot::{SceneSource, Stage, pose_of_scene};
+use crate::shot::{SceneSource, Stage, half_view, pose_of_scene};
 use crate::watch::Diagnostics;
 
 /// A raw image, a white image and their camera.
@@ -159,7 +159,8 @@ impl DecodeJob {
     fn truth(&self, decoded: &Decoded, diagnostics: &dyn Diagnostics) -> Result<Layers<Array3<f32>>, Error> {
         let Some(scene) = &self.scene else { return Ok(Layers::default()) };
         let stage = Stage::load(scene, &self.settings.scene, None, diagnostics)?;
-        let framed = pose_of_scene(scene, &stage.loaded, &self.settings.scene, diagnostics)?;
+        let slopes = half_view(&self.camera.camera);
+        let framed = pose_of_scene(scene, &stage.loaded, (&self.settings.scene, slopes), diagnostics)?;
         // A rotated array sees a rotated scene.
         let pose = rolled(&framed.pose, decoded.roll_rad);
         let renderer = stage.world(scene, &self.settings.light.sky, &self.engine)?.at(&pose)?;

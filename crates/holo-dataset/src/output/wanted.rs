@@ -192,6 +192,9 @@ fn check(settings: &RenderSettings) -> Result<(), Error> {
             if matches!(rig.spacing, Spacing::DisparitiesPx(_)) && is_focused {
                 return bad("`disparity` and `focus-m` exclude each other; give one of them".into());
             }
+            if rig.focal_mm.is_some() && settings.scene.fov_deg.is_some() {
+                return bad("`focal-mm` and `fov-deg` both say the angle of view; give one of them".into());
+            }
             if rig.lens_shifts == Some(0) {
                 return bad("`lens-shifts` is a number of positions; give 1 or more".into());
             }
@@ -218,6 +221,11 @@ fn check_poses(settings: &RenderSettings) -> Result<(), Error> {
     let default = RigSettings::default();
     let of_scene = [
         ("camera", settings.scene.camera.is_some()),
+        ("eye", settings.scene.eye.is_some()),
+        ("target", settings.scene.target.is_some()),
+        ("up", settings.scene.up.is_some()),
+        ("fov-deg", settings.scene.fov_deg.is_some()),
+        ("fit-object", settings.scene.fit_object.is_some()),
         ("focal-mm", rig.is_some_and(|rig| rig.focal_mm.is_some())),
         ("sensor-mm", rig.is_some_and(|rig| rig.sensor_mm != default.sensor_mm)),
     ];
@@ -251,6 +259,9 @@ fn check_views(settings: &RenderSettings) -> Result<(), Error> {
 /// What only views have.
 fn check_raw(settings: &RenderSettings) -> Result<(), Error> {
     let output = &settings.output;
+    if settings.scene.fov_deg.is_some() {
+        return bad("`fov-deg` is of views; a plenoptic camera has the angle of its main lens and sensor".into());
+    }
     if let Some(name) = output.write.iter().find(|output| !output.is_raw()).map(|output| output.name()) {
         return bad(format!(
             "`write {name}` is of rendered views; a plenoptic camera writes raw, raw-png, white and centers, and `holo \
@@ -305,6 +316,10 @@ fn check_pinhole(settings: &RenderSettings) -> Result<(), Error> {
 }
 
 fn check_time(settings: &RenderSettings) -> Result<(), Error> {
+    let has_frames = settings.scene.frames.is_some_and(|frames| frames.single().is_none());
+    if has_frames && settings.scene.fit_object.is_some() {
+        return bad("`fit-object` would move the camera from frame to frame; give `eye` and `target`".into());
+    }
     let (scene, layers) = (&settings.scene, &settings.output.layers);
     if scene.frames.is_some() {
         return Ok(());

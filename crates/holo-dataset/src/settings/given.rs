@@ -36,6 +36,33 @@ pub const PRESETS: &[Preset] = &[
         help: "Ground truth of light: 1024 independent, unbiased samples per pixel",
         settings: &[("spp", "1024"), ("denoise", "off"), ("reuse", "off")],
     },
+    Preset {
+        name: "paper-8k",
+        help: "The raw image of the paper: 100 x 100 views behind an f/5 lens and a sensor of 8K",
+        settings: &[("views", "100"), ("sensor", "8k"), ("f-number", "5"), ("write", "el,vpi,mat,depth,disparity")],
+    },
+    Preset {
+        name: "hci",
+        help: "A scene as in the HCI benchmark: 9 x 9 views of 512 x 512 px, disparities within 1.5 px, its folder and the truth",
+        settings: &[
+            ("views", "9"),
+            ("lenses", "512x512"),
+            ("disparity", "-1.5,1.5"),
+            ("write", "hci,depth,disparity"),
+            ("layers", "hit-mask"),
+        ],
+    },
+    Preset {
+        name: "urbanlf",
+        help: "Views as in UrbanLF: 9 x 9 of 640 x 480 px, disparities from -0.5 to 1.5 px, and the truth",
+        settings: &[
+            ("views", "9"),
+            ("lenses", "640x480"),
+            ("disparity", "-0.5,1.5"),
+            ("write", "hci,depth,disparity"),
+            ("layers", "hit-mask"),
+        ],
+    },
 ];
 
 /// Other names that messages mention as settings: the arguments of commands.
@@ -182,6 +209,18 @@ mod tests {
         );
         assert_eq!(spelled("an odd ` and `focus-m inf`", flag), "an odd ` and `focus-m inf`");
         assert_eq!(spelled("`camera_angle_x` is missing", flag), "`camera_angle_x` is missing");
+    }
+
+    #[test]
+    fn presets_are_settings_and_give_way() {
+        for preset in PRESETS {
+            let mut settings = RenderSettings::default();
+            settings.apply(&preset.given()).unwrap_or_else(|why| panic!("{}: {why}", preset.name));
+        }
+        let mut own = Given::default();
+        own.insert("baseline-m", "0.1").unwrap();
+        let both = own.over(Preset::by_name("hci").unwrap().given());
+        assert_eq!((both.get("disparity"), both.get("lenses")), (None, Some("512x512")));
     }
 
     #[test]

@@ -10,8 +10,8 @@ use holo_scene::gltf::LightUnits;
 
 use super::declare::settings;
 use super::types::{
-    Exposure, Focus, Frames, LayerChoice, Output, Pixels, SensorName, Sky, Spacing, Tool, ViewSubset, bit_depth,
-    bounces, lens_shifts,
+    Exposure, Focus, Frames, LayerChoice, Output, Pixels, Point, SensorName, Sky, Spacing, Tool, ViewSubset, angle_deg,
+    bit_depth, bounces, lens_shifts,
 };
 use super::value::{Kind, Malformed, SettingType, not_negative, positive, share};
 use super::{RenderSettings, Setting};
@@ -29,6 +29,19 @@ settings! {
         material_variant: Option<String>, "material-variant" "NAME";
         /// Name or number of the scene's camera [default: the first].
         camera: Option<String>, "camera" "NAME|INDEX";
+        /// Place of the camera in the world of the file, m [default: that of the scene's camera].
+        eye: Option<Point>, "eye" "X,Y,Z";
+        /// Point that the camera looks at, m [default: with `eye` the middle of the scene].
+        target: Option<Point>, "target" "X,Y,Z";
+        /// Direction that is up in the image [default: 0,1,0].
+        up: Option<Point>, "up" "X,Y,Z";
+        /// Horizontal angle of view, degrees [default: that of the scene's camera].
+        fov_deg: Option<f64>, "fov-deg" "A" by angle_deg;
+        /// Name of an object that fills the view: the camera keeps its direction, or looks from `eye`, and moves along its line of
+        /// sight.
+        fit_object: Option<String>, "fit-object" "NAME";
+        /// Add a gray ground below the lowest point, which catches shadows.
+        ground: bool = false, "ground" "";
         /// Frame of the file's animations, or frames A-B, each in a folder of its own with the focus and exposure of the
         /// first [default: the scene at rest]. Frame N is at N / fps seconds.
         frames: Option<Frames>, "frame" "N|A-B";

@@ -489,6 +489,37 @@ fn shortest(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
 
+/// A point or a direction in the world of a scene, (x, y, z); a point in meters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point(pub [f64; 3]);
+
+impl From<[f64; 3]> for Point {
+    fn from(point: [f64; 3]) -> Self {
+        Self(point)
+    }
+}
+
+impl SettingType for Point {
+    const KIND: Kind = Kind::Other("tuple[float, float, float] | str");
+
+    /// Parses `X,Y,Z`.
+    fn parse(text: &str) -> Result<Self, Malformed> {
+        let number = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+        let parts: Option<Vec<f64>> = text.split(',').map(number).collect();
+        parts.and_then(|parts| parts.try_into().ok()).map(Self).ok_or_else(|| "write X,Y,Z, such as 0,1.5,-2".into())
+    }
+
+    fn value(&self) -> ManifestValue {
+        ManifestValue::List(self.0.map(ManifestValue::Float).to_vec())
+    }
+}
+
+/// Parses an angle of view in degrees.
+pub(super) fn angle_deg(text: &str) -> Result<f64, Malformed> {
+    let angle = text.parse::<f64>().ok().filter(|angle| *angle > 0.0 && *angle < 180.0);
+    angle.ok_or_else(|| "give degrees above 0 and below 180".into())
+}
+
 impl SettingType for Focus {
     const KIND: Kind = Kind::Other("str | float");
 

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use holo_core::optics::DisparityRange;
+use holo_core::plenoptic::PlenopticCamera;
 use holo_core::{GridSize, LightFieldShape, Remainder, Rig, Sensor};
 use holo_io::ArrayCamera;
 use holo_render::{Baseline, Camera as Optics, CameraChoice, Framed, Framing, Renderer, World};
@@ -11,8 +12,9 @@ use holo_scene::gltf::Loaded;
 use holo_scene::{Camera as SceneCamera, CameraProjection, Scene, Transform};
 
 use super::engine::report_backend;
-use super::sky;
 use super::source::SceneSource;
+use super::viewpoint;
+use super::{ground, sky};
 use crate::Error;
 use crate::output::{Wanted, is_room};
 use crate::settings::{
@@ -158,7 +160,7 @@ impl Setup<'_> {
             (Camera::Rig(rig), None) => {
                 let shape = shape(rig, None, diagnostics)?;
                 validate_memory(&shape, settings, self.wanted)?;
-                let framed = frame(source.path(), &stage.loaded, (rig, shape), &settings.scene, diagnostics)?;
+                let framed = frame(source.path(), &stage.loaded, (rig, shape, None), &settings.scene, diagnostics)?;
                 if let Some(change) = framed.aspect_change {
                     diagnostics.report(About::Scene, &format!("note: {}: {change}", framed.camera));
                 }
@@ -170,7 +172,8 @@ impl Setup<'_> {
                 Ok(Placed::Views(Box::new(frame_at(camera, rig, shape)?)))
             }
             (Camera::Plenoptic(file), None) => {
-                let framed = pose_of_scene(source, &stage.loaded, &settings.scene, diagnostics)?;
+                let slopes = half_view(&file.camera);
+                let framed = pose_of_scene(source, &stage.loaded, (&settings.scene, slopes), diagnostics)?;
                 let camera = Box::new(file.camera.clone().into());
                 Ok(Placed::Raw { camera, pose: framed.pose, name: framed.camera })
             }
@@ -280,50 +283,83 @@ fn load(source: &SceneSource, scene: &SceneSettings, diagnostics: &dyn Diagnosti
     if scene.frames.is_some_and(|frames| frames.single().is_none()) {
         return Err(Error::BadRequest("`frame` is of several images here; give one".into()));
     }
-    let loaded = source.load(scene).map_err(|e| match e {
+    let mut loaded = source.load(scene).map_err(|e| match e {
         holo_scene::Error::Read { .. } => Error::Failed(e.to_string()),
         other => Error::Failed(named(source.path(), &other.to_string())),
     })?;
     loaded.warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
+    if scene.ground {
+        keep_view(&mut loaded.scene)?;
+        ground::add(&mut loaded.scene)?;
+    }
     Ok(loaded)
 }
 
-/// The camera of the scene, for cameras that have their own optics.
+/// Half of what a plenoptic camera sees at a distance of 1.
+pub(crate) fn half_view(camera: &PlenopticCamera) -> [f64; 2] {
+    let sensor = camera.sensor();
+    let lens = camera.equivalent_views().slope_per_lens / camera.array().pitch_m;
+    [sensor.size.columns, sensor.size.rows].map(|side| side as f64 * sensor.pixel_m * lens / 2.0)
+}
+
+/// The pose of the camera of the scene, for cameras that have their own optics and see `slopes` at a distance of 1.
 pub(crate) fn pose_of_scene(
     source: &SceneSource,
     loaded: &Loaded,
-    scene: &SceneSettings,
+    (scene, slopes): (&SceneSettings, [f64; 2]),
     diagnostics: &dyn Diagnostics,
 ) -> Result<Framed, Error> {
     let one = GridSize::new(1, 1);
     let shape = LightFieldShape::new(one, one)?;
-    frame(source.path(), loaded, (&RigSettings::default(), shape), scene, diagnostics)
+    frame(source.path(), loaded, (&RigSettings::default(), shape, Some(slopes)), scene, diagnostics)
 }
 
-/// The camera of the scene with the intrinsics and the baseline of the rig.
+/// The camera of the scene, or that which the settings place in it, with the intrinsics and the baseline of the rig. `slopes`:
+/// half of the image at a distance of 1, if it is not that of the rig.
 fn frame(
     path: &Path,
     loaded: &Loaded,
-    (rig, shape): (&RigSettings, LightFieldShape),
+    (rig, shape, slopes): (&RigSettings, LightFieldShape, Option<[f64; 2]>),
     scene: &SceneSettings,
     diagnostics: &dyn Diagnostics,
 ) -> Result<Framed, Error> {
+    let size = shape.lenses();
+    let larger = size.columns.max(size.rows) as f64;
+    // Divided, because 1e-3 is not exact: 36 mm times it is not 0.036 m.
+    let sensor_m = rig.sensor_mm / 1e3;
+    // From the width of the image to half the angle.
+    let of_angle = |deg: f64| sensor_m * (size.columns as f64 / larger) / (2.0 * (deg.to_radians() / 2.0).tan());
     let framing = Framing::new(shape)
         .camera(choice(scene.camera.as_ref(), loaded))
-        // Divided, because 1e-3 is not exact: 36 mm times it is not 0.036 m.
-        .focal_length_m(rig.focal_mm.map(|mm| mm / 1e3))
-        .sensor_size_m(rig.sensor_mm / 1e3)
+        .focal_length_m(rig.focal_mm.map(|mm| mm / 1e3).or(scene.fov_deg.map(of_angle)))
+        .sensor_size_m(sensor_m)
         .baseline(baseline(rig))
         .projection(rig.projection);
-    let framed = framing.frame(&loaded.scene).map_err(|e| match e {
+    let mut framed = framing.frame(&loaded.scene).map_err(|e| match e {
         // No camera was requested: the file has no suitable one.
         holo_render::Error::BadSetting(why) if scene.camera.is_none() => Error::Failed(named(path, &why)),
         other => blame(path, &Sky::Automatic, other),
     })?;
-    if loaded.scene.cameras.is_empty() {
+    let half = framed.intrinsics.sensor_size_m / (2.0 * framed.intrinsics.focal_length_m);
+    let slopes = slopes.unwrap_or([size.columns, size.rows].map(|side| half * side as f64 / larger));
+    if let Some((pose, name)) = viewpoint::placed(scene, &framed.pose, slopes, &loaded.scene)? {
+        (framed.pose, framed.camera) = (pose, name);
+    } else if loaded.scene.cameras.is_empty() {
         diagnostics.report(About::Scene, &format!("warning: {}", framed.camera));
     }
     Ok(framed)
+}
+
+/// Gives a scene without cameras that which sees all of it, before something is added that is not to be seen whole.
+fn keep_view(scene: &mut Scene) -> Result<(), Error> {
+    if scene.cameras.is_empty() {
+        let one = GridSize::new(1, 1);
+        let Framed { pose, intrinsics, .. } = Framing::new(LightFieldShape::new(one, one)?).frame(scene)?;
+        let vertical_angle_rad = 2.0 * (intrinsics.sensor_size_m / (2.0 * intrinsics.focal_length_m)).atan();
+        let projection = CameraProjection::Perspective { vertical_angle_rad, aspect_ratio: None };
+        scene.cameras.push(SceneCamera { name: "whole scene".into(), pose, projection });
+    }
+    Ok(())
 }
 
 /// The rig at a pose of a list, with the focal length of its camera.

@@ -14,6 +14,12 @@ class Settings(TypedDict, total=False):
     solid_glass: Treat closed meshes with transmission but without a volume as solid glass; otherwise they are thin, like soap bubbles.
     material_variant: Name of a material variant of the file, as `holo info` lists them.
     camera: Name or number of the scene's camera [default: the first].
+    eye: Place of the camera in the world of the file, m [default: that of the scene's camera].
+    target: Point that the camera looks at, m [default: with `eye` the middle of the scene].
+    up: Direction that is up in the image [default: 0,1,0].
+    fov_deg: Horizontal angle of view, degrees [default: that of the scene's camera].
+    fit_object: Name of an object that fills the view: the camera keeps its direction, or looks from `eye`, and moves along its line of sight.
+    ground: Add a gray ground below the lowest point, which catches shadows.
     frame: Frame of the file's animations, or frames A-B, each in a folder of its own with the focus and exposure of the first [default: the scene at rest]. Frame N is at N / fps seconds.
     fps: Frames per second [default: 24].
     animation: Name or index of the animation to play [default: all of the file].
@@ -59,6 +65,12 @@ class Settings(TypedDict, total=False):
     solid_glass: bool | None
     material_variant: str | None
     camera: str | None
+    eye: tuple[float, float, float] | str | None
+    target: tuple[float, float, float] | str | None
+    up: tuple[float, float, float] | str | None
+    fov_deg: float | None
+    fit_object: str | None
+    ground: bool | None
     frame: int | str | None
     fps: float | None
     animation: str | None

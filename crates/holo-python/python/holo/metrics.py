@@ -21,20 +21,20 @@ def evaluate(
     estimate: np.ndarray,
     truth: np.ndarray,
     *,
-    border: int = 0,
+    border: int = 15,
     mask: np.ndarray | None = None,
     rig: Rig | None = None,
 ) -> dict[str, float]:
     """Scores a disparity map against ground truth with the metrics of the HCI 4D light field benchmark.
 
     estimate, truth: disparity in pixels, axes (row, column); what is not finite is counted and not compared.
-    border: pixels at every side that are not compared.
+    border: pixels at every side that are not compared, as in the benchmark and in `holo eval`.
     mask: True where pixels are compared, axes (row, column).
     rig: adds the median angle between surface normals.
 
     Returns the quantities of `holo eval --json`: BadPix at 0.01, 0.03 and 0.07 px in percent, MSE x 100, Q25 x 100,
     bumpiness, mean absolute and root mean squared error in pixels, BadPix(0.07) of the best constant and of the best
-    plane, numbers of pixels.
+    plane, the border, numbers of pixels.
     """
     mask = None if mask is None else np.ascontiguousarray(mask, dtype=bool)
     return _holo.evaluate(_map(estimate), _map(truth), border, mask, rig)

@@ -122,6 +122,7 @@ def render(
     sky: "auto", (r, g, b), a number, or the path of an environment map.
     baseline_m, f_number, focus_m ("auto" or meters), disparity (min, max in pixels), focal_mm, sensor_mm, projection,
         camera (name or number).
+    eye, target (points of the scene, m), up, fov_deg (horizontal), fit_object (name): where the camera stands. ground: adds one.
     layers: names, such as ["depth", "disparity", "shading-normal", "visibility", "error", "all"]. ground_truth: "central" or "all".
     frame: number of a frame of the scene's animations, which is at frame / fps seconds; fps, 24; animation (name or number).
         With it the layers "optical-flow" (V, U, 2), px to the right and downward until the next frame, and "scene-flow"
