@@ -52,9 +52,20 @@ struct Rendered {
     pixels: Vec<[f32; 3]>,
 }
 
-pub fn section(options: &RunOptions) -> Section {
-    let mut divisions = sharing::divisions(options);
-    divisions[1].scenes.retain(|scene| FEW_VIEWS.contains(&scene.as_str()));
+/// Of 100 x 100 views.
+pub fn many_views(options: &RunOptions) -> Section {
+    let [division, _] = sharing::divisions(options);
+    section(options, &division)
+}
+
+/// Of 20 x 20 views.
+pub fn few_views(options: &RunOptions) -> Section {
+    let [_, mut division] = sharing::divisions(options);
+    division.scenes.retain(|scene| FEW_VIEWS.contains(&scene.as_str()));
+    section(options, &division)
+}
+
+fn section(options: &RunOptions, division: &Division) -> Section {
     let mut table = Table::new(&[
         "views",
         "scene",
@@ -71,32 +82,30 @@ pub fn section(options: &RunOptions) -> Section {
         "for the error of holo: Cycles / holo",
         "Cycles + OIDN / holo",
     ]);
-    let (mut highlights, mut missing) = (Vec::new(), Vec::new());
-    for division in &divisions {
-        let mut ratios = Vec::new();
-        for scene in &division.scenes {
-            match measure(options, scene, division, &mut table) {
-                Ok(found) => ratios.extend(found),
-                Err(why) => missing.push(format!("{scene}: {why}")),
-            }
+    let (mut ratios, mut missing) = (Vec::new(), Vec::new());
+    for scene in &division.scenes {
+        match measure(options, scene, division, &mut table) {
+            Ok(found) => ratios.extend(found),
+            Err(why) => missing.push(format!("{scene}: {why}")),
         }
-        highlights.extend(summary(division, &mut ratios));
     }
+    let highlights = summary(division, &mut ratios).into_iter().collect();
     let missing = if missing.is_empty() { String::new() } else { format!(" Not run: {}.", missing.join("; ")) };
     Section {
         text: format!(
-            "Scenes of the gallery on the 8K sensor of the paper, paths of up to 8 bounces: 100 x 100 views of 79 x 53 \
-             px, and 20 x 20 of 397 x 265; center and a corner. `holo` with `--spp 1/{ONE_IN} --denoise views` renders \
-             all views together; its time is divided by their number. Cycles renders a view at a time with the scene kept in memory, up to {} samples, \
-             without and with OpenImageDenoise (albedo, normals, accurate prefilter). Errors are those of the lens rows \
-             in the middle, as in the section before (`holo`'s references have {} samples), each program's against two references of its own (Cycles': {} \
-             samples with 100 x 100 views, else {}), because they model some materials and lights differently: the \
-             ratio of their mean radiance tells where. Times for the error of `holo` are interpolated between 16 and \
-             the most samples, on logarithmic scales; after > where the most do not reach it. Single runs.{missing}",
+            "Scenes of the gallery on the 8K sensor of the paper, paths of up to 8 bounces, {0} x {0} views; center and a \
+             corner. `holo` with `--spp 1/{ONE_IN} --denoise views` renders all views together; its time is divided by \
+             their number. Cycles renders a view at a time with the scene kept in memory, up to {1} samples, without and \
+             with OpenImageDenoise (albedo, normals, accurate prefilter). Errors: the mean of (x - r)^2 / (r^2 + 0.01 \
+             mean(r^2)) over 24 lens rows in the middle without the worst of a hundred pixels, each program's against two \
+             references of its own (of `holo` {2} samples each, of Cycles {3}), because they model some materials and \
+             lights differently: the ratio of their mean radiance tells where. Times for the error of `holo` are \
+             interpolated between 16 and the most samples, on logarithmic scales; after > where the most do not reach it. \
+             Single runs.{missing}",
+            division.views,
             SAMPLES[SAMPLES.len() - 1],
-            divisions.iter().map(|division| division.reference.to_string()).collect::<Vec<_>>().join(" and "),
-            reference_samples(options, &divisions[0]),
-            divisions.last().map_or(0, |division| reference_samples(options, division))
+            division.reference,
+            reference_samples(options, division)
         ),
         highlights,
         table,

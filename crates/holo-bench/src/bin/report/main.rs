@@ -10,6 +10,7 @@ mod cycles;
 mod files;
 mod ground_truth;
 mod honesty;
+mod leak;
 mod light;
 mod page;
 mod peers;
@@ -54,18 +55,24 @@ pub struct Section {
 type SectionFn = fn(&RunOptions) -> Section;
 
 /// The sections that need other programs.
-const PEERS: [&str; 2] = ["Beside other renderers", "Beside Cycles scene by scene"];
+const PEERS: [&str; 3] = [
+    "Beside other renderers",
+    "Beside Cycles scene by scene: 100 x 100 views",
+    "Beside Cycles scene by scene: 20 x 20 views",
+];
 
 /// The sections, in the order of the report.
-const SECTIONS: [(&str, SectionFn); 10] = [
+const SECTIONS: [(&str, SectionFn); 12] = [
     (PEERS[0], peers::section),
     ("Light shared between views", sharing::section),
-    (PEERS[1], cycles::section),
+    (PEERS[1], cycles::many_views),
+    (PEERS[2], cycles::few_views),
     ("Light", light::section),
     ("Ground truth", ground_truth::section),
     ("Scaling", scaling::section),
     ("Pixels and files", files::section),
     ("Depth from stereo", stereo::section),
+    ("Depth from reconstructed views", leak::section),
     ("Photon transfer", sensor::photon_transfer),
     ("Noise of sensors", sensor::noise),
 ];

@@ -49,7 +49,8 @@ impl Page {
             self.files.push((format!("{name}.svg"), svg.clone()));
         }
         self.texts.insert(title.to_owned(), text.trim_end().to_owned());
-        self.files.push((format!("{}.csv", title.to_lowercase().replace(' ', "_")), section.table.csv()));
+        self.files
+            .push((format!("{}.csv", title.to_lowercase().replace(':', "").replace(' ', "_")), section.table.csv()));
         self.highlights.retain(|row| row[0] != title);
         let rows = section.highlights.iter().map(|[what, speed, error]| [title, what, speed, error]);
         self.highlights.extend(rows.map(|row| row.map(|cell| cell.replace(',', ";"))));
