@@ -164,3 +164,43 @@ def test_rig_is_that_of_the_equations(rendering):
     planned = holo.optics(focal_mm=50, views=(9, 9), lenses=(100, 150), baseline_m=0.01, focus_m=2.0)
     assert planned.views == (9, 9) and planned.lenses == (100, 150) and planned.focal_length_m == 0.05
     assert planned.optics((1.0, 3.0))["baseline_mm"] == 10.0
+
+
+def test_order_of_axes():
+    array = np.arange(2 * 3 * 4 * 5 * 3, dtype=np.float32).reshape(2, 3, 4, 5, 3)
+    with pytest.warns(holo.HoloWarning, match="4 x 5 views of 2 x 3"):
+        holo.LightField(array)
+    field = holo.LightField(array, axes="tsvuc")
+    assert (field.views, field.lenses, field.shape) == ((2, 3), (4, 5), (4, 5, 2, 3, 3))
+    assert np.array_equal(field.view(1, 2), array[1, 2]) and np.shares_memory(field.array, array)
+    assert holo.LightField(array[..., 0], axes="vust").views == (5, 4)
+    for axes in ("tsvu", "tsvux", "ttvuc", ""):
+        with pytest.raises(holo.UsageError, match="each axis once"):
+            holo.LightField(array, axes=axes)
+
+
+def test_views_by_index(rendering):
+    field = rendering.light_field
+    assert np.array_equal(field[1, 2], field.view(1, 2))
+    some = field[:2, 1:]
+    assert some.views == (2, field.views[1] - 1) and np.array_equal(some[0, 0], field[0, 1])
+    with pytest.raises(holo.UsageError, match="two numbers"):
+        field[0, :]
+    with pytest.raises(holo.UsageError, match="row and the column"):
+        field[0]
+
+
+def test_plot(rendering):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    figure = rendering.light_field.plot(rendering.disparity)
+    assert len(figure.axes) == 4 and figure.axes[0].get_title() == "central view", "three images and a scale"
+    assert len(rendering.light_field.plot().axes) == 2
+
+
+def test_placed_camera(garden):
+    options = {"views": 1, "lenses": (12, 18), "spp": 1, "integrator": "depth", "layers": ["depth"]}
+    near, far = (holo.render(garden, eye=(0.0, 0.4, z), target=(0.0, 0.1, 0.0), fov_deg=40, **options) for z in (1.0, 1.2))
+    assert near.depth.shape == (12, 18) and not np.array_equal(near.depth, far.depth)
+    with pytest.raises(holo.UsageError, match="direction up"):
+        holo.render(garden, eye=(0.0, 2.0, 0.0), target=(0.0, 0.0, 0.0), **options)

@@ -12,6 +12,7 @@ from . import _holo
 from ._holo import Rig
 from .errors import HoloWarning, UsageError
 
+_AXES = "vutsc"
 _DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
 
 
@@ -26,22 +27,30 @@ class LightField:
     """A light field: `array[v, u, t, s, c]` is channel c of the pixel (v, u) of the view (t, s).
 
     array: axes (V, U, T, S, C), uint8, uint16, float32 or float64; not copied.
+    axes: the order of the axes of `array`, if it is another one, such as "tsvuc" or "tsvu".
     rig: the cameras, if they are known.
     is_srgb: whether the samples are on the sRGB curve; by default integers are and floats are not.
     disparity_range_px: smallest and largest disparity of the scene, if they are known.
     """
 
     __slots__ = ("array", "disparity_range_px", "is_srgb", "rig")
+    array: np.ndarray
+    disparity_range_px: tuple[float, float] | None
+    is_srgb: bool
+    rig: Rig | None
 
     def __init__(
         self,
         array: np.ndarray,
         rig: Rig | None = None,
         *,
+        axes: str | None = None,
         is_srgb: bool | None = None,
         disparity_range_px: tuple[float, float] | None = None,
     ):
         array = np.asarray(array)
+        if axes is not None:
+            array = _in_order(array, axes)
         if array.ndim == 4:
             array = array[..., None]
         if array.ndim != 5 or array.dtype not in _DTYPES or 0 in array.shape:
@@ -51,6 +60,14 @@ class LightField:
             )
         if rig is not None and (rig.lenses, rig.views) != (array.shape[:2], array.shape[2:4]):
             raise UsageError(f"an array of shape {array.shape} is none of {rig!r}")
+        (v, u, t, s, _) = array.shape
+        if axes is None and rig is None and t * s > v * u:
+            warnings.warn(
+                f"an array of shape {array.shape} has {t} x {s} views of {v} x {u} pixels; if the views come first give "
+                'axes="tsvuc", else axes="vutsc"',
+                HoloWarning,
+                stacklevel=2,
+            )
         self.array, self.rig = array, rig
         self.is_srgb = array.dtype.kind == "u" if is_srgb is None else is_srgb
         self.disparity_range_px = disparity_range_px
@@ -61,14 +78,28 @@ class LightField:
         channel]). Shares the memory of the image where numpy can."""
         image, (t, s) = _channels(image), views
         v, u = _whole(image, views)
-        return cls(image.reshape(v, t, u, s, -1).transpose(0, 2, 1, 3, 4), rig, **more)
+        return cls(image.reshape(v, t, u, s, -1).transpose(0, 2, 1, 3, 4), rig, axes=_AXES, **more)
 
     @classmethod
     def from_viewpoint_grid(cls, image: np.ndarray, views: tuple[int, int], rig: Rig | None = None, **more) -> LightField:
         """The light field of (T, S) views side by side, axes (row, column[, channel])."""
         image, (t, s) = _channels(image), views
         v, u = _whole(image, views)
-        return cls(image.reshape(t, v, s, u, -1).transpose(1, 3, 0, 2, 4), rig, **more)
+        return cls(image.reshape(t, v, s, u, -1).transpose(1, 3, 0, 2, 4), rig, axes=_AXES, **more)
+
+    @property
+    def shape(self) -> tuple[int, int, int, int, int]:
+        """(V, U, T, S, C)."""
+        return self.array.shape
+
+    def __getitem__(self, place: tuple[int | slice, int | slice]) -> np.ndarray | LightField:
+        """`field[t, s]`: a view, axes (row, column, channel); with slices a light field of some views. Shares memory."""
+        if not (isinstance(place, tuple) and len(place) == 2):
+            raise UsageError("give the row and the column of a view, as in field[4, 4], or slices of them")
+        t, s = place
+        if isinstance(t, slice) != isinstance(s, slice):
+            raise UsageError("give two numbers for a view, or two slices for a light field of some views")
+        return self.clip(views=(t, s)) if isinstance(t, slice) else self.view(t, s)
 
     @property
     def views(self) -> tuple[int, int]:
@@ -127,6 +158,7 @@ class LightField:
         return LightField(
             array,
             self._clipped_rig(array, (rows, columns)),
+            axes=_AXES,
             is_srgb=self.is_srgb,
             disparity_range_px=self.disparity_range_px,
         )
@@ -154,7 +186,7 @@ class LightField:
         if self.array.dtype == np.float32 and not self.is_srgb:
             return self
         array = _holo.to_linear(self.array, self.is_srgb)
-        return LightField(array, self.rig, is_srgb=False, disparity_range_px=self.disparity_range_px)
+        return _restored(array, self.rig, False, self.disparity_range_px)
 
     def encode(self, bits: int = 8, exposure: float | str = "auto") -> LightField:
         """The light field as uint8 or uint16 on the sRGB curve: what `holo render` writes as PNG and MAT.
@@ -164,7 +196,7 @@ class LightField:
         linear = self.linear().array
         ev = _holo.automatic_exposure(linear) if exposure == "auto" else float(exposure)
         array = _holo.encode(linear, bits, ev)
-        return LightField(array, self.rig, is_srgb=True, disparity_range_px=self.disparity_range_px)
+        return _restored(array, self.rig, True, self.disparity_range_px)
 
     def refocus(
         self,
@@ -263,6 +295,26 @@ class LightField:
         field = self if self.array.dtype.kind == "u" else self.encode()
         _holo.write_hci(folder, field.array, self.rig, disparity, depth)
 
+    def plot(self, disparity: np.ndarray | None = None):
+        """Draws the central view and the epipolar-plane image of its middle row, and with `disparity`, axes (row, column), that
+        map with its scale in pixels. Needs matplotlib; returns the figure."""
+        try:
+            from matplotlib import pyplot
+        except ImportError:
+            raise UsageError("plot() needs matplotlib: pip install matplotlib") from None
+        coded = self if self.array.dtype == np.uint8 else self.encode()
+        (v, _), (t, _) = self.lenses, self.views
+        images = [("central view", coded.central), (f"row {v // 2} in the views of row {t // 2}", coded.epi_row(v // 2, t // 2))]
+        figure, places = pyplot.subplots(1, 2 + (disparity is not None), figsize=(5 * (2 + (disparity is not None)), 4))
+        for place, (title, image) in zip(places, images):
+            place.imshow(image[..., :3] if image.shape[2] >= 3 else image[..., 0], cmap="gray", aspect="auto")
+            place.set_title(title)
+        if disparity is not None:
+            shown = places[2].imshow(np.where(np.isfinite(disparity), disparity, np.nan), cmap="viridis", aspect="auto")
+            figure.colorbar(shown, ax=places[2], label="disparity, px")
+            places[2].set_title("disparity")
+        return figure
+
     def to_xarray(self):
         """An `xarray.DataArray` that shares memory, with the dimensions v, u, t, s, c and the rig's numbers as attributes."""
         import xarray
@@ -284,7 +336,7 @@ class LightField:
     def _repr_png_(self):
         """The central view, for notebooks."""
         view = self.central[:, :, None, None]
-        field = LightField(np.ascontiguousarray(view), is_srgb=self.is_srgb)
+        field = _restored(np.ascontiguousarray(view), None, self.is_srgb, None)
         coded = field.array if field.array.dtype == np.uint8 else field.encode().array
         image = coded[:, :, 0, 0]
         return bytes(_holo.png(np.ascontiguousarray(image[..., :3] if image.shape[2] >= 3 else image[..., :1])))
@@ -294,7 +346,17 @@ class LightField:
 
 
 def _restored(array, rig, is_srgb, disparity_range_px):
-    return LightField(array, rig, is_srgb=is_srgb, disparity_range_px=disparity_range_px)
+    return LightField(array, rig, axes=_AXES, is_srgb=is_srgb, disparity_range_px=disparity_range_px)
+
+
+def _in_order(array, axes):
+    """The array with its axes in the order (v, u, t, s, c)."""
+    if sorted(axes) not in (sorted(_AXES), sorted(_AXES[:4])) or len(axes) != array.ndim:
+        raise UsageError(
+            f"axes={axes!r} of an array of shape {array.shape}: name each axis once, v and u for row and column of the pixels, "
+            "t and s for those of the views, c for channels"
+        )
+    return array.transpose([axes.index(axis) for axis in _AXES if axis in axes])
 
 
 def _channels(image):
@@ -326,6 +388,6 @@ def open(  # noqa: A001
     for line in reader.warnings:
         warnings.warn(line, HoloWarning, stacklevel=2)
     array, is_srgb = reader.read()
-    return LightField(array, reader.rig, is_srgb=is_srgb, disparity_range_px=reader.disparity_range_px)
+    return _restored(array, reader.rig, is_srgb, reader.disparity_range_px)
 
 

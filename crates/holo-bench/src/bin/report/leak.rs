@@ -13,6 +13,9 @@ use holo_core::color::{linear_to_srgb8, srgb8_to_linear_table};
 use crate::table::{Table, short};
 use crate::{RunOptions, Section};
 
+/// A scene of diffuse surfaces without texture, whose converged image planes describe.
+const SCENE: &str = "plaster";
+
 /// Views along an axis, and their width and height.
 const VIEWS: usize = 9;
 const SIDE: usize = 160;
@@ -37,7 +40,6 @@ const FIT: usize = 4;
 type Field = Vec<Array2<f64>>;
 
 pub fn section(options: &RunOptions) -> Section {
-    let scenes: &[&str] = if options.quick { &["plaster"] } else { &["plaster", "mountains"] };
     let mut table = Table::new(&[
         "scene",
         "samples a pixel",
@@ -52,20 +54,16 @@ pub fn section(options: &RunOptions) -> Section {
         "converged + noise",
     ]);
     let mut highlights = Vec::new();
-    for scene in scenes {
-        for row in rows(scene, options) {
-            if *scene == "plaster" {
-                highlights.push([
-                    format!("stereo on reconstructed views of `plaster`, flat parts, {} sample: plain sweep", row[1]),
-                    String::new(),
-                    format!(
-                        "RMSE {} px, {} px on a converged image with as much independent noise; BadPix(0.07) {} and {} %",
-                        row[3], row[4], row[5], row[6]
-                    ),
-                ]);
-            }
-            table.push(row);
-        }
+    for row in rows(options) {
+        highlights.push([
+            format!("stereo on reconstructed views of `{SCENE}`; flat parts; {} sample; plain sweep", row[1]),
+            String::new(),
+            format!(
+                "RMSE {} px; {} px on a converged image with as much independent noise; BadPix(0.07) {} and {} %",
+                row[3], row[4], row[5], row[6]
+            ),
+        ]);
+        table.push(row);
     }
     Section {
         text: format!(
@@ -83,8 +81,8 @@ pub fn section(options: &RunOptions) -> Section {
     }
 }
 
-fn rows(name: &str, options: &RunOptions) -> Vec<[String; 11]> {
-    let scene = gallery::scene(name).expect("a scene of the gallery");
+fn rows(options: &RunOptions) -> Vec<[String; 11]> {
+    let scene = gallery::scene(SCENE).expect("a scene of the gallery");
     let shape = LightFieldShape::new(GridSize::new(VIEWS, VIEWS), GridSize::new(SIDE, SIDE)).expect("sizes");
     let framed = Framing::new(shape).frame(&scene).expect("a camera");
     let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, None).expect("a renderer");
@@ -125,7 +123,7 @@ fn rows(name: &str, options: &RunOptions) -> Vec<[String; 11]> {
             };
             let ([a, b], [c, d]) = (of(&found), of(&noisy));
             [
-                name.to_owned(),
+                SCENE.to_owned(),
                 label.to_owned(),
                 short(100.0 * error),
                 short(a[0]),

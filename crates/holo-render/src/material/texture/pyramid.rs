@@ -7,7 +7,7 @@
 //! gets neither sharper nor blurred to second order. Around a hit anywhere in the footprint it is [`AROUND_HITS`] times
 //! that: the places of hits alone have the covariance of the footprint, so the image is blurred, less with more samples.
 
-use super::{bilinear, mix, neighbors, sample, taps_of_sixteen};
+use super::{bilinear, neighbors, sample, taps_of_sixteen};
 use crate::material::footprint::{TextureFootprint, TextureFootprints};
 use crate::simd::LANES;
 use holo_scene::{Texture, Wrap};
@@ -258,17 +258,9 @@ impl Pyramid {
         }
         let columns = taps_of_sixteen(&place[0], &width, texture.wrap_u, holo_scene::Filter::Linear);
         let rows = taps_of_sixteen(&place[1], &height, texture.wrap_v, holo_scene::Filter::Linear);
-        let mut is_one = true;
-        for lane in 1..LANES {
-            is_one &= (levels[lane] == levels[0])
-                & (columns.first[lane] == columns.first[0])
-                & (columns.second[lane] == columns.second[0])
-                & (rows.first[lane] == rows.first[0])
-                & (rows.second[lane] == rows.second[0]);
-        }
         let mut out = [[0.0; LANES]; 3];
         for lane in 0..LANES {
-            if !(takes[lane] | is_one) {
+            if !takes[lane] {
                 continue;
             }
             let (upper, lower) =
@@ -284,16 +276,6 @@ impl Pyramid {
                 } else {
                     self.texels[places[corner]]
                 };
-            }
-            if is_one {
-                // Sixteen neighboring views mostly see one cell between texels, which is read once.
-                let [a, b, c, d] = &corners;
-                for k in 0..3 {
-                    for lane in 0..LANES {
-                        out[k][lane] = mix([a[k], b[k], c[k], d[k]], [columns.fraction[lane], rows.fraction[lane]]);
-                    }
-                }
-                break;
             }
             let value = bilinear(&corners, [columns.fraction[lane], rows.fraction[lane]]);
             for k in 0..3 {
