@@ -108,7 +108,7 @@ fn contradictions_are_refused() {
     for (options, said) in [
         (format!("{rig} --eye 0,3,0 --target 0,0,0"), "--up"),
         (format!("{rig} --eye 1,2,3 --target 1,2,3"), "--eye"),
-        (format!("{rig} --fit-object table"), "it has plate, wall"),
+        (format!("{rig} --fit-object table"), "it has 'plate', 'wall'"),
         (format!("{rig} --fit-object wall --target 0,0,0"), "--fit-object"),
         (format!("{rig} --fov-deg 30 --focal-mm 50"), "--fov-deg"),
         (format!("{rig} --eye 1,2"), "X,Y,Z"),

@@ -102,8 +102,8 @@ fn fitted(
 
 /// What is said of an object that is not there.
 fn unknown(name: &str, scene: &Scene) -> String {
-    let mut names: Vec<&str> = scene.instances.iter().map(|instance| instance.name.as_str()).collect();
-    names.retain(|name| !name.is_empty());
+    let named = scene.instances.iter().filter(|instance| !instance.name.is_empty());
+    let mut names: Vec<String> = named.map(|instance| format!("'{}'", instance.name)).collect();
     names.sort_unstable();
     names.dedup();
     let more = if names.len() > SHOWN_OBJECTS { ", .." } else { "" };
@@ -171,7 +171,7 @@ mod tests {
         let far = pose(&SceneSettings { eye: None, ..fit("far") }).unwrap();
         assert!((far.translation[0] - 9.0).abs() < 1e-12 && (far.translation[2] - 1.05).abs() < 1e-12, "{far:?}");
         let refused = pose(&fit("nobody")).unwrap_err().to_string();
-        assert!(refused.contains("it has far, near"), "{refused}");
+        assert!(refused.contains("it has 'far', 'near'"), "{refused}");
         let both = SceneSettings { target: Some(Point([0.0; 3])), ..fit("near") };
         assert!(pose(&both).is_err());
     }
