@@ -100,15 +100,19 @@ fn fitted(
     Ok(Transform { columns: axes, translation: std::array::from_fn(|k| center[k] + distance * axes[2][k]) })
 }
 
-/// What is said of an object that is not there.
+/// The message about an object that the scene does not have.
 fn unknown(name: &str, scene: &Scene) -> String {
     let named = scene.instances.iter().filter(|instance| !instance.name.is_empty());
-    let mut names: Vec<String> = named.map(|instance| format!("'{}'", instance.name)).collect();
+    let mut names: Vec<String> = named.map(|instance| format!("'{}'", holo_core::visible(&instance.name))).collect();
     names.sort_unstable();
     names.dedup();
     let more = if names.len() > SHOWN_OBJECTS { ", .." } else { "" };
     names.truncate(SHOWN_OBJECTS);
-    format!("`fit-object`: no object '{name}' has triangles in the scene; it has {}{more}", names.join(", "))
+    format!(
+        "`fit-object`: no object '{}' has triangles in the scene; it has {}{more}",
+        holo_core::visible(name),
+        names.join(", ")
+    )
 }
 
 #[cfg(test)]
