@@ -6,8 +6,10 @@ mod choices;
 pub mod config;
 mod dataset;
 mod develop;
+mod headings;
 mod images;
 mod optics;
+mod preview;
 mod settings;
 mod spec;
 mod tools;
@@ -24,6 +26,7 @@ use holo_io::WorldUp;
 use holo_render::Backend;
 
 use choices::{BACKENDS, LAYOUTS, WORLD_UPS, choice};
+use headings::{CAMERA, FILES, RUNNING};
 
 pub use array::{ArrayOptions, SurfaceArgument};
 pub use camera::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
@@ -32,8 +35,9 @@ pub use dataset::DatasetOptions;
 pub use develop::{DemosaicOptions, DevelopOptions};
 pub use images::{AnimateOptions, ComposeOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions};
 pub use optics::OpticsOptions;
-pub use settings::{OfDataset, OfInfo, OfRender, Settings};
-pub use spec::{adjusted, open_camera};
+pub use preview::PreviewOptions;
+pub use settings::{OfDataset, OfInfo, OfPreview, OfRender, Settings};
+pub use spec::open_camera;
 pub use tools::{
     ApertureArgument, DepthOptions, EpiOptions, EvalOptions, InputOptions, NormalsArgument, RefocusOptions,
 };
@@ -47,7 +51,7 @@ pub use values::{Crop, Pair, Places};
 #[command(name = "holo", version, propagate_version = true, subcommand_required = true, arg_required_else_help = true)]
 pub struct Arguments {
     /// Memory that the command may use, GB; on Linux [default: nine tenths of what is free].
-    #[arg(long, global = true, value_name = "GB", value_parser = positive, help_heading = "General")]
+    #[arg(long, global = true, value_name = "GB", value_parser = positive, help_heading = RUNNING, hide_short_help = true)]
     pub memory_gb: Option<f64>,
     #[command(subcommand)]
     pub command: Command,
@@ -56,6 +60,7 @@ pub struct Arguments {
 #[derive(Subcommand, Debug)]
 pub enum Command {
     /// Render a scene (.glb, .gltf) to the raw image of a holoscopic camera, with ground truth.
+    #[command(after_long_help = RENDER_EXAMPLES)]
     Render(Box<RenderOptions>),
     /// Render a dataset: built-in scenes and your own, each with several numbers of views or plenoptic cameras. Resumes where
     /// it was stopped.
@@ -88,6 +93,8 @@ pub enum Command {
     Epi(EpiOptions),
     /// Write one HTML page to look at a light field in a browser: move, refocus, measure.
     View(ViewOptions),
+    /// Show a scene live in a browser while its camera is set up: orbit, focus, views, disparities; then render it.
+    Preview(Box<PreviewOptions>),
     /// Compute what a camera will resolve before it is built: disparities, depth of field, depth resolution; or the reverse.
     Optics(OpticsOptions),
     /// Place cameras on a plane, a cylinder or a sphere, and write them (transforms.json) for `holo render --transforms`.
@@ -115,55 +122,62 @@ pub struct RenderOptions {
     /// The scene: .glb, or .gltf with the files it refers to.
     pub scene: PathBuf,
     /// Folder for the results; created if missing.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = FILES)]
     pub out: PathBuf,
     /// TOML file with options: `spp = 64`, `views = "20x20"`. The command line wins.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = RUNNING)]
     pub config: Option<PathBuf>,
-    /// Options with a name, below those of --config and of the command line.
-    #[arg(long, value_name = "NAME", value_parser = preset)]
+    /// Settings with a name: draft, clean, reference, hci, urbanlf, paper-8k.
+    #[arg(long, value_name = "NAME", value_parser = preset, help_heading = "Quality", long_help = preset_help())]
     pub preset: Option<&'static Preset>,
-    /// Plenoptic camera instead of a rig of views: a camera file (TOML), or a preset of `holo camera`. The pose is that of
-    /// the scene's camera or of --transforms; --focus-m and --f-number replace those of the file.
-    #[arg(long, value_name = "FILE|PRESET", conflicts_with_all = ["views", "lenses", "lens-shifts", "sensor", "baseline-m", "focal-mm", "sensor-mm", "projection", "disparity", "subset"])]
+    /// Plenoptic camera instead of a rig of views.
+    ///
+    /// A camera file (TOML), or a preset of `holo camera`. The pose is that of the scene's camera or of --transforms;
+    /// --focus-m and --f-number replace those of the file.
+    #[arg(long, value_name = "FILE|PRESET", help_heading = CAMERA, conflicts_with_all = ["views", "lenses", "lens-shifts", "sensor", "baseline-m", "focal-mm", "sensor-mm", "projection", "disparity", "subset"])]
     pub camera_file: Option<String>,
-    /// Cameras anywhere: poses as NeRF and nerfstudio have them (transforms.json). Alone it writes images/NAME.png, a folder a
+    /// Poses of many cameras (transforms.json).
+    ///
+    /// Poses as NeRF and nerfstudio have them. Alone it writes images/NAME.png, a folder a
     /// layer, and transforms.json; with --views a light field at every pose, with --camera-file a raw image, each in a
     /// folder of its own. The size of images that the file does not say is --lenses.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["focal-mm", "sensor-mm", "camera"])]
+    #[arg(long, value_name = "FILE", help_heading = CAMERA, conflicts_with_all = ["focal-mm", "sensor-mm", "camera"])]
     pub transforms: Option<PathBuf>,
     /// The axis that points up in the world of --transforms: z in files of Blender and nerfstudio, y in glTF.
-    #[arg(long, value_name = "z|y", default_value = "z", requires = "transforms", value_parser = choice(WORLD_UPS))]
+    #[arg(long, value_name = "z|y", default_value = "z", requires = "transforms", value_parser = choice(WORLD_UPS), help_heading = CAMERA, hide_short_help = true)]
     pub transforms_up: WorldUp,
     #[command(flatten)]
     pub settings: Settings<OfRender>,
-    /// Render part K of N only: rows of microlenses or of a sensor's pixels, which `holo merge` joins; of several frames or
-    /// poses every N-th, whole.
-    #[arg(long, value_name = "K/N", value_parser = Shard::from_str)]
+    /// Render part K of N only.
+    ///
+    /// Rows of microlenses or of a sensor's pixels, which `holo merge` joins; of several frames or poses every N-th, whole.
+    #[arg(long, value_name = "K/N", value_parser = Shard::from_str, help_heading = RUNNING)]
     pub shard: Option<Shard>,
     #[command(flatten)]
     pub engine: EngineOptions,
     /// Seconds between checkpoints, from which the same command continues after an interruption; 0: none.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value = "30", value_parser = not_negative)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value = "30", value_parser = not_negative, help_heading = RUNNING, hide_short_help = true)]
     pub checkpoint: f64,
-    /// Replace another image in DIR: one of another scene or of other options. The same command again needs no permission.
-    #[arg(long)]
+    /// Replace another image in DIR.
+    ///
+    /// One of another scene or of other options. The same command again needs no permission.
+    #[arg(long, help_heading = RUNNING)]
     pub overwrite: bool,
     /// Print no progress and no summary.
-    #[arg(long)]
+    #[arg(long, help_heading = RUNNING)]
     pub quiet: bool,
     /// Print one JSON object about the run on standard output.
-    #[arg(long)]
+    #[arg(long, help_heading = RUNNING)]
     pub json: bool,
 }
 
 #[derive(Args, Clone, Debug)]
 pub struct EngineOptions {
     /// Threads [default: one per core].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, help_heading = RUNNING, hide_short_help = true, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Ray tracing backend.
-    #[arg(long, value_parser = choice(BACKENDS), default_value = "auto")]
+    #[arg(long, help_heading = RUNNING, hide_short_help = true, value_parser = choice(BACKENDS), default_value = "auto")]
     pub backend: Backend,
 }
 
@@ -245,6 +259,29 @@ pub struct MergeOptions {
     /// Print no summary.
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// Examples of `holo render`, for its long help.
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  holo render scene.glb --out raw                                       # 100 x 100 views, 8K, 16 samples a pixel
+  holo render scene.glb --out soon --preset draft                       # the soonest image of the same
+  holo render scene.glb --out hci --preset hci                          # 9 x 9 views as in the HCI benchmark, with truth
+  holo render scene.glb --out near --eye 0,1,2 --target 0,0.5,0 --views 9 --lenses 512x512 --disparity=-1.5,1.5
+  holo render scene.glb --out lytro --camera-file lytro-illum           # the raw image of a plenoptic camera
+  holo render scene.glb --out film --views 9 --lenses 512x512 --frame 0-47";
+
+/// The long help of `--preset`: every preset with its settings.
+fn preset_help() -> String {
+    let line = |preset: &Preset| {
+        let given = preset.given();
+        let settings: Vec<String> = given.iter().map(|(key, text)| format!("--{key} {text}")).collect();
+        format!("- {}: {} ({})", preset.name, preset.help, settings.join(" "))
+    };
+    let lines: Vec<String> = PRESETS.iter().map(line).collect();
+    let first = "Settings with a name, below those of --config and of the command line; an option beside it replaces the whole \
+                 alternative of the preset.";
+    format!("{first}\n\n{}", lines.join("\n"))
 }
 
 /// Parses the name of a preset.

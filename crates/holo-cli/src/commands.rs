@@ -14,6 +14,7 @@ pub mod info;
 pub mod merge;
 pub mod optics;
 pub mod pack;
+pub mod preview;
 pub mod quilt;
 pub mod refocus;
 pub mod remap;

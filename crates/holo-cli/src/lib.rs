@@ -53,6 +53,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Eval(options) => commands::eval::run(&options),
         Command::Epi(options) => commands::epi::run(&options),
         Command::View(options) => commands::view::run(&options),
+        Command::Preview(options) => commands::preview::run(&options),
         Command::Scene(options) => commands::scene::run(&options),
         Command::Optics(options) => commands::optics::run(&options),
         Command::Array(options) => commands::array::run(&options),

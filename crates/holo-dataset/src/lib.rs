@@ -50,8 +50,9 @@ pub use error::Error;
 pub use output::{ColorStatistics, EstimatedError, OutputFolder, Rollback, Statistics};
 pub use resume::{Checkpoints, merge};
 pub use settings::{
-    Camera, EngineSettings, Exposure, Focus, Frames, LayerChoice, LightSettings, Output, OutputSettings, Pixels, Poses,
-    RawLayer, RenderSettings, RigSettings, SceneSettings, SensorName, Shard, Sky, Spacing, Tool, ViewSubset,
+    Camera, Color, EngineSettings, Exposure, Focus, Frames, LayerChoice, LightSettings, Output, OutputSettings, Pixels,
+    Poses, RawLayer, RenderSettings, RigSettings, SceneSettings, SensorName, Shard, Sky, Spacing, Tool, ViewSubset,
+    adjusted_camera,
 };
 pub use shot::{
     CameraReport, Event, Prepared, RenderJob, RenderReport, RenderWarning, Rendering, RunOptions, SceneSource, Seconds,

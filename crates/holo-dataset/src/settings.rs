@@ -16,14 +16,14 @@ mod words;
 
 use holo_io::ManifestValue;
 
-pub use self::camera::{Camera, Poses};
+pub use self::camera::{Camera, Poses, adjusted_camera};
 pub(crate) use self::canonical::{OPTIONS, changed, from_manifest, texts, to_manifest};
 pub use self::given::{Given, PRESETS, Preset, spelled};
 pub use self::table::{LightSettings, OutputSettings, RigSettings, SceneSettings};
 pub(crate) use self::types::number_of_samples;
 pub use self::types::{
-    EngineSettings, Exposure, Focus, Frames, LayerChoice, Output, Pixels, Point, RawLayer, SensorName, Shard, Sky,
-    Spacing, Tool, ViewSubset,
+    Color, EngineSettings, Exposure, Focus, Frames, LayerChoice, Output, Pixels, Point, RawLayer, SensorName, Shard,
+    Sky, Spacing, Tool, ViewSubset,
 };
 pub(crate) use self::value::text as value_text;
 pub use self::value::{Kind, Malformed, SettingType, Word, not_negative, positive, range, share};

@@ -12,6 +12,7 @@ mod ground;
 mod identity;
 mod job;
 mod library;
+mod look;
 mod motion;
 mod pinholes;
 mod prepare;

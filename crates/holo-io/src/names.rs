@@ -8,6 +8,8 @@ pub const VIEWPOINT_PNG: &str = "scene_vpi.png";
 pub const DISPARITY_PFM: &str = "scene_disparity.pfm";
 /// The disparity of the central view as a gray image: brighter is nearer.
 pub const DISPARITY_PNG: &str = "scene_disparity.png";
+/// 255 where the central view sees the scene, 0 where depth is infinite.
+pub const HIT_MASK_PNG: &str = "scene_hit_mask.png";
 /// Planar depth of the central view in meters, `(v, u)`.
 pub const DEPTH_PFM: &str = "scene_depth.pfm";
 /// All layers of the central view, linear and without exposure: color, depth, normals and other rendered layers.
@@ -47,8 +49,8 @@ pub const DATASET_MD: &str = "DATASET.md";
 
 /// The images that this project writes beside a light field: none of them is a view of it.
 #[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
-pub(crate) const OWN_IMAGES: [&str; 7] =
-    [ELEMENTAL_PNG, VIEWPOINT_PNG, DISPARITY_PNG, CODES_PNG, WEIGHT_PNG, RAW_PNG, WHITE_PNG];
+pub(crate) const OWN_IMAGES: [&str; 8] =
+    [ELEMENTAL_PNG, VIEWPOINT_PNG, DISPARITY_PNG, HIT_MASK_PNG, CODES_PNG, WEIGHT_PNG, RAW_PNG, WHITE_PNG];
 
 /// Whether a name is a relative path that stays inside its folder on every system, and of characters that can be shown:
 /// a line break in a name would be one in every list of names.

@@ -10,6 +10,7 @@
 //! from a camera of the scene. **May import:** ray packets ([`crate::accel`]), random numbers, scenes.
 
 pub(crate) mod framing;
+pub(crate) mod moved;
 pub(crate) mod plenoptic;
 pub(crate) mod rig;
 pub(crate) mod tile;

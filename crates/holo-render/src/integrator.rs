@@ -18,6 +18,7 @@ mod unseen;
 
 use crate::accel::Engine;
 use crate::camera::RaySource;
+use crate::camera::moved::Moved;
 use crate::film::guides::Movement;
 use crate::geometry::Geometry;
 use crate::light::Emitters;
@@ -52,6 +53,8 @@ pub(crate) struct Context<'a> {
     pub guides: Option<Movement>,
     /// Whether statistics of the inverse depth are wanted.
     pub inverse_depths: bool,
+    /// Where the camera stands, if not at the origin of the scene's coordinates.
+    pub moved: Option<&'a Moved>,
     /// Checked between samples.
     pub stop: &'a Stop<'a>,
 }
@@ -66,6 +69,8 @@ pub(crate) struct SceneData<'a> {
     pub emitters: Option<&'a Emitters>,
     pub environment: Option<&'a EnvironmentLight>,
     pub sky: [f32; 3],
+    /// What camera rays receive instead of the environment.
+    pub backdrop: Option<[f32; 3]>,
     /// The axes of the camera (right, up, back) in world coordinates.
     pub to_world: [[f64; 3]; 3],
     /// Whether any directional light has an angular diameter.

@@ -37,6 +37,7 @@ use self::request::{DEPTH_AND_DISPARITY, RigRequest};
 use crate::accel::{Backend, Engine};
 use crate::camera::RaySource;
 use crate::camera::framing::Framed;
+use crate::camera::moved::Moved;
 use crate::camera::rig::RigRays;
 use crate::error::Error;
 use crate::film::guides::Movement;
@@ -63,12 +64,14 @@ pub struct Renderer {
     geometry: Arc<Geometry>,
     appearance: Arc<Appearance>,
     lights: Vec<PreparedLight>,
-    emitters: Option<Emitters>,
+    emitters: Option<Arc<Emitters>>,
     environment: Option<EnvironmentLight>,
     /// The axes of the camera (right, up, back) in world coordinates.
     to_world: [[f64; 3]; 3],
     /// The number of instances and materials of the scene.
     counts: [usize; 2],
+    /// Where the camera stands, if not at the origin.
+    moved: Option<Moved>,
     pool: Arc<rayon::ThreadPool>,
 }
 
@@ -118,6 +121,35 @@ impl Renderer {
         self.engines[0][0].as_ref()
     }
 
+    /// Returns a renderer whose camera stands at `pose` in the coordinates of the camera of this one; of one that was moved
+    /// itself, of that which was not. It shares everything with this one, and is there at once: for images that are looked
+    /// at while a camera moves. It renders plain color alone.
+    ///
+    /// # Accuracy
+    /// Rays are moved in single precision, so that edges may differ from those of a renderer at that pose, and fine textures
+    /// are not filtered.
+    ///
+    /// # Errors
+    /// [`Error::BadSetting`] for a pose that is not a rotation and translation.
+    pub fn moved(&self, pose: &Transform) -> Result<Self, Error> {
+        if !pose.is_pose() {
+            return Err(Error::BadSetting("the camera pose must be a rotation and a translation, both finite".into()));
+        }
+        Ok(Self {
+            engines: self.engines.clone(),
+            note: self.note.clone(),
+            geometry: Arc::clone(&self.geometry),
+            appearance: Arc::clone(&self.appearance),
+            lights: self.lights.clone(),
+            emitters: self.emitters.clone(),
+            environment: self.environment.clone(),
+            to_world: self.to_world,
+            counts: self.counts,
+            moved: Some(Moved::new(pose)),
+            pool: Arc::clone(&self.pool),
+        })
+    }
+
     /// Runs `work` in the thread pool of this renderer.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.pool.install(work)
@@ -142,6 +174,9 @@ impl Renderer {
         checkpoint: Option<&dyn Checkpoint>,
     ) -> Result<Rendered, Error> {
         request.check(self.counts)?;
+        if self.moved.is_some() {
+            request.check_moved(self.choose(request)?.0)?;
+        }
         match &request.camera {
             Camera::Rig(rig) => self.render_rig(&RigRequest { rig, request }, progress, checkpoint),
             Camera::Plenoptic(camera) => self.render_raw(&RawRequest { camera, request }, progress, checkpoint),
@@ -300,7 +335,8 @@ impl Renderer {
             Movement::Disparity(color::disparity(request.rig), movement)
         });
         let is_plain = request.denoise == Denoise::Off;
-        let filters = transport.texture_filter == TextureFilter::Footprint && is_plain;
+        // Footprints are in the coordinates of the camera.
+        let filters = transport.texture_filter == TextureFilter::Footprint && is_plain && self.moved.is_none();
         let sampler = Sampler {
             seed: transport.seed,
             samples: transport.samples.of_traced(),
@@ -310,7 +346,8 @@ impl Renderer {
             cells: filters.then(|| sampling::cells(transport.samples.of_traced())),
         };
         let scene = self.scene_data(transport, integrator);
-        Context { scene, camera: RaySource::Rig(rig), sampler, policy, guides, inverse_depths: false, stop }
+        let (camera, moved) = (RaySource::Rig(rig), self.moved.as_ref());
+        Context { scene, camera, sampler, policy, guides, inverse_depths: false, moved, stop }
     }
 
     /// The scene as the integrators use it.
@@ -320,9 +357,10 @@ impl Renderer {
             geometry: &self.geometry,
             appearance: &self.appearance,
             lights: &self.lights,
-            emitters: self.emitters.as_ref(),
+            emitters: self.emitters.as_deref(),
             environment: self.environment.as_ref(),
             sky: transport.sky,
+            backdrop: transport.backdrop,
             to_world: self.to_world,
             has_discs: self.lights.iter().any(PreparedLight::is_disc),
             has_alpha: self.appearance.flags().has(MaterialFlags::ALPHA),

@@ -4,8 +4,8 @@ use crate::{Result, process};
 use std::process::Command;
 
 /// Every package that is published and builds alone.
-const LIBRARIES: [&str; 7] =
-    ["holo-core", "holo-scene", "holo-render", "holo-io", "holo-dataset", "holo-viewer", "holoscopic"];
+const LIBRARIES: [&str; 8] =
+    ["holo-core", "holo-scene", "holo-render", "holo-io", "holo-dataset", "holo-viewer", "holo-preview", "holoscopic"];
 
 /// The direct dependencies of `holo-core`.
 const CORE_NEEDS: &[&str] = &["ndarray", "rayon"];

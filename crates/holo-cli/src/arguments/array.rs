@@ -34,7 +34,7 @@ pub struct ArrayOptions {
     #[arg(long, value_name = "R", default_value_t = 1.0, value_parser = parse_positive)]
     pub radius_m: f64,
     /// What the cameras look at, m, in the world of the scene (+Y up).
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, default_value = "0,0,0", value_parser = values::point)]
+    #[arg(long = "target", alias = "target-m", value_name = "X,Y,Z", allow_hyphen_values = true, default_value = "0,0,0", value_parser = values::point)]
     pub target_m: [f64; 3],
     /// Angle that the columns of a cylinder cover, degrees.
     #[arg(long, value_name = "A", default_value_t = 360.0, value_parser = parse_positive)]
@@ -46,7 +46,7 @@ pub struct ArrayOptions {
     #[arg(long, value_name = "WxH", default_value = "800x800", value_parser = GridSize::from_str)]
     pub size: GridSize,
     /// Horizontal angle of view, degrees.
-    #[arg(long, value_name = "A", default_value_t = 40.0, value_parser = parse_positive)]
+    #[arg(long = "fov-deg", alias = "angle-deg", value_name = "A", default_value_t = 40.0, value_parser = parse_positive)]
     pub angle_deg: f64,
     /// The axis that points up in the world of the file: z for Blender and nerfstudio, y as in glTF.
     #[arg(long, value_name = "z|y", default_value = "z", value_parser = choice(WORLD_UPS))]

@@ -7,6 +7,7 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use holo_dataset::settings::{Given, Kind, Setting, table};
 
+use super::headings;
 use crate::failure::Failure;
 
 /// Which settings a command has.
@@ -41,6 +42,10 @@ pub struct OfDataset;
 /// `holo info`: those of the scene file and the rig.
 #[derive(Clone, Debug)]
 pub struct OfInfo;
+
+/// `holo preview`: those that its page can change.
+#[derive(Clone, Debug)]
+pub struct OfPreview;
 
 /// `holo optics`: those of a rig without a scene.
 #[derive(Clone, Debug)]
@@ -89,6 +94,12 @@ impl Scope for OfDataset {
 impl Scope for OfInfo {
     fn has(key: &str) -> bool {
         SCENE.contains(&key) || VIEWPOINT.contains(&key) || RIG.contains(&key)
+    }
+}
+
+impl Scope for OfPreview {
+    fn has(key: &str) -> bool {
+        holo_preview::SETTINGS.contains(&key)
     }
 }
 
@@ -153,16 +164,16 @@ fn argument<S: Scope>(setting: &'static Setting) -> Arg {
     let paragraphs: Vec<String> = help.iter().map(|text| Failure::spelled(text)).collect();
     let mut argument = Arg::new(setting.key())
         .long(setting.key())
-        .help(without_stop(&paragraphs[0]))
+        .help(headings::brief(&paragraphs[0]).to_owned())
+        .long_help(without_stop(&paragraphs.join("\n\n")))
+        .help_heading(headings::of(setting.key()))
+        .hide_short_help(!headings::is_common(setting.key()))
         // Numbers may be negative.
         .allow_hyphen_values(matches!(
             setting.kind(),
             Kind::Integer | Kind::Number | Kind::Range | Kind::Size | Kind::Other(_)
         ))
         .conflicts_with_all(others.collect::<Vec<_>>());
-    if paragraphs.len() > 1 {
-        argument = argument.long_help(paragraphs.join("\n\n"));
-    }
     if !setting.form().is_empty() {
         argument = argument.value_name(setting.form());
     }

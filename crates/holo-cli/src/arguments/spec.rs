@@ -2,8 +2,7 @@
 
 use std::num::NonZeroUsize;
 
-use holo_dataset::settings::Given;
-use holo_dataset::{DatasetCameras, EngineSettings, Focus, RenderSettings, RigSettings, Spacing};
+use holo_dataset::{DatasetCameras, EngineSettings, RenderSettings, RigSettings, adjusted_camera};
 use holo_io::CameraFile;
 
 use super::config;
@@ -24,7 +23,7 @@ impl RenderOptions {
         }
         let mut settings = RenderSettings::default();
         if let Some(path) = &self.camera_file {
-            settings.camera = adjusted(open_camera(path)?, &mut given)?.into();
+            settings.camera = adjusted_camera(open_camera(path)?, &mut given)?.into();
         }
         match &self.transforms {
             Some(path) => settings.apply_at_poses(given, path, self.transforms_up)?,
@@ -47,32 +46,12 @@ pub fn open_camera(name: &str) -> Result<CameraFile, Failure> {
     Ok(file)
 }
 
-/// A plenoptic camera with the focus and the f-number that were given, which are the camera's then.
-pub fn adjusted(mut camera: CameraFile, given: &mut Given) -> Result<CameraFile, Failure> {
-    let mut rig = RenderSettings::default();
-    let mut own = Given::default();
-    for key in ["focus-m", "f-number"] {
-        if let Some(text) = given.remove(key) {
-            own.insert(key, text)?;
-        }
-    }
-    rig.apply(&own)?;
-    let Some(rig) = rig.camera.rig() else { return Ok(camera) };
-    if let Focus::Meters(depth_m) = rig.focus {
-        camera = camera.with_focus_m(depth_m)?;
-    }
-    if let (Spacing::FNumber(f_number), true) = (rig.spacing, own.get("f-number").is_some()) {
-        camera = camera.with_f_number(f_number)?;
-    }
-    Ok(camera)
-}
-
 impl DatasetOptions {
     /// Returns the cameras, and the settings that all jobs share.
     pub fn settings(&self) -> Result<(DatasetCameras, RenderSettings), Failure> {
         let mut given = self.settings.given().clone();
         let mut settings = RenderSettings::default();
-        let files = self.camera_file.iter().map(|path| adjusted(open_camera(path)?, &mut given.clone()));
+        let files = self.camera_file.iter().map(|path| Ok(adjusted_camera(open_camera(path)?, &mut given.clone())?));
         let files = files.collect::<Result<Vec<_>, Failure>>()?;
         if let Some(first) = files.first() {
             settings.camera = first.clone().into();

@@ -99,8 +99,9 @@ pub struct EvalOptions {
     /// Width of the excluded border, px (maps only).
     #[arg(long, value_name = "PX", default_value_t = 15)]
     pub border: usize,
-    /// Score only pixels where this image is not black (maps only).
-    #[arg(long, value_name = "FILE.png")]
+    /// Score only pixels where this image is not black (maps only); `none`: all [default: scene_hit_mask.png beside the truth,
+    /// which is black where the scene is not hit].
+    #[arg(long, value_name = "FILE.png|none")]
     pub mask: Option<PathBuf>,
     /// Signed error as an image to write: red too far, white right, blue too near.
     #[arg(long, value_name = "FILE.png", value_parser = values::png)]

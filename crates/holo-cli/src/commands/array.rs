@@ -9,7 +9,7 @@ use crate::failure::Failure;
 pub fn run(options: &ArrayOptions) -> Result<(), Failure> {
     let count = options.count;
     if options.angle_deg >= 180.0 {
-        return Err(Failure::Usage("--angle-deg must be below 180".into()));
+        return Err(Failure::Usage("--fov-deg must be below 180".into()));
     }
     let surface = match options.surface {
         SurfaceArgument::Plane => Surface::Plane { count, spacing_m: options.spacing_m },

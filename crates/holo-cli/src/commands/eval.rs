@@ -8,12 +8,17 @@ use holo_core::metrics::{
 };
 use holo_core::{DynImage, GridSize, Rig, Sample, for_each_sample};
 use holo_dataset::{NamedQuantity, QuantityValue};
+use holo_io::dataset::HIT_MASK_PNG;
 use holo_io::{ColorEncoding, Compression, FileFormat, Limits};
 use ndarray::{Array2, Axis};
 
 use crate::arguments::{EvalOptions, NormalsArgument};
+use crate::console::say;
 use crate::failure::Failure;
 use crate::quantities;
+
+/// The name of a mask of all pixels.
+const ALL_PIXELS: &str = "none";
 
 /// The threshold at which the best constant and plane are found: the benchmark's widest.
 const FIT_THRESHOLD_PX: f64 = 0.07;
@@ -42,7 +47,7 @@ fn maps(options: &EvalOptions) -> Result<Vec<NamedQuantity>, Failure> {
     let limits = Limits::default();
     let estimate = holo_io::read_pfm_gray(&options.estimate, &limits)?;
     let truth = holo_io::read_pfm_gray(&options.truth, &limits)?;
-    let mask = options.mask.as_deref().map(read_mask).transpose()?;
+    let (mask, scored) = mask_of(options, truth.dim())?;
     let region = Region { border_px: options.border, mask: mask.as_ref().map(|mask| mask.view()) };
     let scores = disparity_scores(&estimate, &truth, &region)?;
     let mut rows = Vec::new();
@@ -75,6 +80,7 @@ fn maps(options: &EvalOptions) -> Result<Vec<NamedQuantity>, Failure> {
             options.truth.display()
         )));
     }
+    rows.push(NamedQuantity::new("mask", "mask of the scored pixels", QuantityValue::Text(scored), ""));
     let counts = scores.counts;
     for (key, name, count) in [
         ("border_px", "border left out at every side", options.border),
@@ -96,6 +102,28 @@ fn rig_beside(map: &Path, (rows, columns): (usize, usize)) -> Option<Rig> {
     let rig = holo_io::read_rig(map, &Limits::default()).ok()??;
     let (views, lenses) = (rig.shape().views(), rig.shape().lenses());
     (lenses == GridSize::new(rows, columns) && views.columns > 1).then_some(rig)
+}
+
+/// The mask of the pixels that are scored, and what it is called: that which was named, else the mask of what is hit in the
+/// folder of the truth or above it, if it has the size of the truth.
+fn mask_of(options: &EvalOptions, size: (usize, usize)) -> Result<(Option<Array2<bool>>, String), Failure> {
+    if let Some(path) = &options.mask {
+        return match path.as_os_str() == ALL_PIXELS {
+            true => Ok((None, ALL_PIXELS.into())),
+            false => Ok((Some(read_mask(path)?), path.display().to_string())),
+        };
+    }
+    let folder = options.truth.parent().unwrap_or(Path::new(""));
+    let folders = [folder.to_owned(), folder.join("..")];
+    let found = folders.iter().map(|folder| folder.join(HIT_MASK_PNG)).find(|path| path.is_file());
+    let Some(path) = found else { return Ok((None, ALL_PIXELS.into())) };
+    let mask = read_mask(&path)?;
+    if mask.dim() != size {
+        return Ok((None, ALL_PIXELS.into()));
+    }
+    let path = path.display().to_string();
+    say!("note: pixels where {path} is black see nothing and are left out; --mask {ALL_PIXELS} scores all");
+    Ok((Some(mask), path))
 }
 
 fn read_mask(path: &Path) -> Result<Array2<bool>, Failure> {

@@ -112,7 +112,7 @@ fn scene(options: &InfoOptions) -> Result<(), Failure> {
         None => out!("depth in the central view: nothing is seen")?,
     }
     out!("{}", text::rig(rig, range(Layer::Disparity)))?;
-    Ok(())
+    prepared.warnings()?.iter().try_for_each(|warning| out!("warning: {}", Failure::spelled(&warning.to_string())))
 }
 
 fn png(path: &Path) -> Result<(), Failure> {
@@ -160,5 +160,39 @@ fn manifest_lines(manifest: &Manifest) -> Result<(), Failure> {
     if let Some(stops) = manifest.exposure_ev {
         out!("exposure {stops} EV")?;
     }
-    manifest.files.iter().try_for_each(|(name, file)| out!("{:>12} bytes  {name}", file.bytes))
+    let files: Vec<(&str, u64)> = manifest.files.iter().map(|(name, file)| (name.as_str(), file.bytes)).collect();
+    runs(&files).into_iter().try_for_each(|(name, bytes)| out!("{bytes:>12} bytes  {name}"))
+}
+
+/// Files with their sizes; those that differ in a number alone are one line, if there are more than a few.
+fn runs(files: &[(&str, u64)]) -> Vec<(String, u64)> {
+    const FEW: usize = 4;
+    let pattern = |name: &str| name.chars().map(|c| if c.is_ascii_digit() { '#' } else { c }).collect::<String>();
+    let mut lines = Vec::new();
+    for run in files.chunk_by(|(a, _), (b, _)| a.contains(|c: char| c.is_ascii_digit()) && pattern(a) == pattern(b)) {
+        match run {
+            [(first, _), .., (last, _)] if run.len() > FEW => {
+                let bytes = run.iter().map(|(_, bytes)| bytes).sum();
+                lines.push((format!("{first} to {last} ({} files)", run.len()), bytes));
+            }
+            _ => lines.extend(run.iter().map(|(name, bytes)| ((*name).to_owned(), *bytes))),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbered_files_are_one_line() {
+        let names: Vec<String> = (0..81).map(|k| format!("hci/input_Cam{k:03}.png")).collect();
+        let mut files: Vec<(&str, u64)> = names.iter().map(|name| (name.as_str(), 10)).collect();
+        files.extend([("scene_5d.mat", 7), ("scene_el.png", 8)]);
+        let lines = runs(&files);
+        assert_eq!(lines[0], ("hci/input_Cam000.png to hci/input_Cam080.png (81 files)".into(), 810));
+        assert_eq!(lines[1..], [("scene_5d.mat".into(), 7), ("scene_el.png".into(), 8)]);
+        assert_eq!(runs(&[("a_1.png", 1), ("a_2.png", 2)]).len(), 2);
+    }
 }

@@ -1,10 +1,10 @@
 //! `holo optics`: what a camera will see, before it is built or rendered; and the camera that sees what is wanted.
 
 use holo_core::optics::{DepthRange, Optics};
-use holo_dataset::{camera_optics, camera_warnings, planned_rig, rig_optics};
+use holo_dataset::{adjusted_camera, camera_optics, camera_warnings, planned_rig, rig_optics};
 use holo_io::Limits;
 
-use crate::arguments::{OpticsOptions, adjusted, open_camera};
+use crate::arguments::{OpticsOptions, open_camera};
 use crate::console::say;
 use crate::failure::Failure;
 use crate::quantities;
@@ -45,7 +45,7 @@ pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
 
 /// The optics of a plenoptic camera.
 fn plenoptic(options: &OpticsOptions, camera: &str) -> Result<(), Failure> {
-    let camera = adjusted(open_camera(camera)?, &mut options.settings.given().clone())?;
+    let camera = adjusted_camera(open_camera(camera)?, &mut options.settings.given().clone())?;
     let depths = options.depths_m.map_or(Vec::new(), |(near_m, far_m)| vec![near_m, far_m]);
     quantities::print(&camera_optics(&camera.camera, &depths)?, options.json)?;
     camera_warnings(&camera).iter().for_each(|line| say!("warning: {line}"));

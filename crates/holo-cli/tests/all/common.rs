@@ -62,7 +62,7 @@ pub fn small_split() -> LightFieldShape {
 }
 
 /// The files that a render with color writes unless told otherwise, in alphabetical order.
-pub const DEFAULT_FILES: [&str; 8] = [
+pub const DEFAULT_FILES: [&str; 9] = [
     "manifest.json",
     "parameters.cfg",
     "scene_5d.mat",
@@ -70,6 +70,7 @@ pub const DEFAULT_FILES: [&str; 8] = [
     "scene_disparity.pfm",
     "scene_disparity.png",
     "scene_el.png",
+    "scene_hit_mask.png",
     "scene_vpi.png",
 ];
 

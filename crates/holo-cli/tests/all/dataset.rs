@@ -45,7 +45,7 @@ fn a_dataset_has_the_folders_of_the_paper_and_tells_what_it_is() {
     }
     let outcome = bench.run("verify set");
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    assert!(outcome.stdout.contains("4 folders with 28 files"), "{outcome:?}");
+    assert!(outcome.stdout.contains("4 folders with 32 files"), "{outcome:?}");
 }
 
 #[test]

@@ -18,7 +18,7 @@ const NOISY: &str = "--sky 0.3,0.4,0.6 --spp 3 --ground-truth all";
 fn neither_threads_nor_folders_show_in_the_bytes() {
     let bench = Bench::new();
     let first = rendered(&bench, "one", &format!("{NOISY} --threads 1"));
-    assert_eq!(first.len(), 8 + 2 * 20);
+    assert_eq!(first.len(), 9 + 2 * 20);
     for (out, threads) in [("two", 2), ("some/where/else", 5), ("one", 1)] {
         let again = rendered(&bench, out, &format!("{NOISY} --threads {threads}"));
         for (name, bytes) in &first {

@@ -28,6 +28,7 @@ fn the_help_names_every_command_and_the_order_of_numbers() {
         "eval",
         "epi",
         "view",
+        "preview",
         "optics",
         "scene",
         "verify",
@@ -69,4 +70,21 @@ fn the_other_commands_say_it_too() {
 #[test]
 fn the_version_is_the_programs() {
     assert_eq!(help("--version"), format!("holo {}", env!("CARGO_PKG_VERSION")));
+}
+
+/// The short help of the largest command fits on one screen, and what it leaves out is in the long one.
+#[test]
+fn the_short_help_of_render_is_one_screen() {
+    let outcome = Bench::new().run("render -h");
+    let lines: Vec<&str> = outcome.stdout.lines().collect();
+    assert!(lines.len() <= 60, "{} lines:\n{}", lines.len(), outcome.stdout);
+    for heading in ["Scene:", "Camera:", "Light:", "Quality:", "Files:", "Running:"] {
+        assert!(lines.contains(&heading), "{heading}\n{}", outcome.stdout);
+    }
+    assert!(!outcome.stdout.contains("--indirect-limit"), "{}", outcome.stdout);
+    let long = help("render --help");
+    assert!(long.contains("--indirect-limit") && long.contains("Examples:"), "{long}");
+    for preset in holo_dataset::settings::PRESETS {
+        assert!(long.contains(&format!("- {}: {}", preset.name, preset.help)), "{}", preset.name);
+    }
 }

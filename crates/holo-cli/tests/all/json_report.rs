@@ -82,7 +82,7 @@ fn without_json_nothing_is_on_standard_output() {
     let bench = Bench::new();
     let outcome = bench.render("out", "");
     assert_eq!(outcome.stdout, "");
-    assert!(outcome.stderr.contains("8 files to out"), "{outcome:?}");
+    assert!(outcome.stderr.contains("9 files to out"), "{outcome:?}");
     assert!(!outcome.stderr.contains('\x1b') && !outcome.stderr.contains('\r'), "no bar where no terminal is");
 }
 

@@ -42,10 +42,15 @@ fn layers_are_written_by_name() {
     assert_eq!(layers_of(&bench, "some"), ["ray-length", "albedo"]);
     // Beside what --write names.
     bench.render("beside", "--layers hit-mask --write depth");
-    assert_eq!(bench.list("beside"), ["manifest.json", "parameters.cfg", "scene_depth.pfm", "scene_hit_mask.pfm"]);
+    let files = ["manifest.json", "parameters.cfg", "scene_depth.pfm", "scene_hit_mask.pfm", "scene_hit_mask.png"];
+    assert_eq!(bench.list("beside"), files);
     bench.render("all", "--layers all");
-    let mut expected =
-        [&DEFAULT_FILES[..3], &ALL_MAPS, &["scene_disparity.png", "scene_el.png", "scene_vpi.png"]].concat();
+    let mut expected = [
+        &DEFAULT_FILES[..3],
+        &ALL_MAPS,
+        &["scene_disparity.png", "scene_el.png", "scene_hit_mask.png", "scene_vpi.png"],
+    ]
+    .concat();
     expected.sort_unstable();
     assert_eq!(bench.list("all"), expected);
     assert_eq!(bench.run("verify all").code, Some(0));

@@ -26,6 +26,7 @@ mod mutated_scenes;
 mod outputs_and_folders;
 mod pinned;
 mod plenoptic_cameras;
+mod preview;
 mod raw_images;
 mod render_outputs;
 mod rounds;

@@ -63,7 +63,7 @@ fn the_manifest_verifies_until_a_file_changes() {
     let outcome = bench.run("verify out");
     assert_eq!(outcome.code, Some(1), "{outcome:?}");
     assert!(outcome.stdout.contains("scene_vpi.png: changed") && outcome.stdout.contains("scene_depth.pfm: missing"));
-    assert!(outcome.stderr.contains("2 of 7 files"), "{outcome:?}");
+    assert!(outcome.stderr.contains("2 of 8 files"), "{outcome:?}");
 }
 
 #[test]
@@ -135,8 +135,8 @@ fn only_what_is_asked_for_is_written() {
     for (write, files) in [
         ("el", &["scene_el.png"][..]),
         ("mat", &["scene_5d.mat"]),
-        ("depth,vpi", &["scene_depth.pfm", "scene_vpi.png"]),
-        ("disparity", &["scene_disparity.pfm", "scene_disparity.png"]),
+        ("depth,vpi", &["scene_depth.pfm", "scene_hit_mask.png", "scene_vpi.png"]),
+        ("disparity", &["scene_disparity.pfm", "scene_disparity.png", "scene_hit_mask.png"]),
     ] {
         bench.render(write, &format!("--write {write}"));
         let expected = [&["manifest.json", "parameters.cfg"], files].concat();

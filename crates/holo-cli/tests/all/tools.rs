@@ -102,7 +102,8 @@ fn an_estimate_is_written_and_judged() {
     let truth = read_pfm_gray(bench.path("out/scene_disparity.pfm"), &Limits::default()).unwrap();
     let scores = disparity_scores(&estimate, &truth, &Region::with_border(5)).unwrap();
     let json =
-        ok(bench.run("eval estimate.pfm out/scene_disparity.pfm --border 5 --json --error-map error.png")).stdout;
+        ok(bench.run("eval estimate.pfm out/scene_disparity.pfm --border 5 --mask none --json --error-map error.png"))
+            .stdout;
     let json: Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["bad_pixels_0.07_percent"], scores.bad_pixels_percent[2]);
     assert_eq!(json["mean_squared_error_x100"], scores.mean_squared_error_x100);
@@ -115,7 +116,7 @@ fn an_estimate_is_written_and_judged() {
     let region = Region::with_border(5);
     let angle = median_angle_error_deg(&estimate, &truth, &rig, NormalGeometry::Pinhole, &region).unwrap();
     assert_eq!(json["median_angle_deg"], angle.value);
-    let table = ok(bench.run("eval estimate.pfm out/scene_disparity.pfm --border 5")).stdout;
+    let table = ok(bench.run("eval estimate.pfm out/scene_disparity.pfm --border 5 --mask none")).stdout;
     for name in [
         "BadPix(0.01)",
         "BadPix(0.07), best plane",

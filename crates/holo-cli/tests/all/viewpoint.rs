@@ -1,6 +1,6 @@
 //! Where the camera stands: `--eye`, `--target`, `--up`, `--fov-deg`, `--fit-object`, for every kind of camera.
 
-use crate::common::{Bench, CAMERA, SCENE};
+use crate::common::{Bench, CAMERA, SCENE, read_u8};
 use holo_io::{Limits, read_pfm};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
@@ -123,4 +123,53 @@ fn contradictions_are_refused() {
     // Of a scene with a camera the rest stays.
     let outcome = bench.run(&format!("render {SCENE} {rig} --spp 1 --fov-deg 30 --out angle"));
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
+}
+
+/// The backdrop is what the camera sees where the mask is black, and lights nothing.
+#[test]
+fn the_mask_says_where_the_backdrop_is() {
+    let bench = bench();
+    let render = |name: &str, options: &str| {
+        let line = format!(
+            "render squares.glb --views 3 --lenses 45x30 --eye 0.8,0.2,4 --target 0.8,0,0 --sky 0.5 --spp 1 --exposure 0 \
+             {options} --out {name}"
+        );
+        let outcome = bench.run(&line);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        read_u8(bench.path(name).join("scene_el.png"))
+    };
+    let (plain, green) = (render("plain", ""), render("green", "--backdrop 0,0.25,0"));
+    let mask = read_u8(bench.path("green/scene_hit_mask.png"));
+    let depth = read_pfm(bench.path("green/scene_depth.pfm"), &Limits::default()).unwrap().values;
+    assert_eq!(mask.dim(), (30, 45, 1));
+    assert!(mask.iter().zip(&depth).all(|(code, depth)| *code == if depth.is_finite() { 255 } else { 0 }));
+    let misses = mask.iter().filter(|code| **code == 0).count();
+    assert!((100..1000).contains(&misses), "{misses}");
+    // Linear 0.25 is code 137 of sRGB.
+    for ((row, column, _), code) in mask.indexed_iter() {
+        let at = |image: &ndarray::Array3<u8>| [0, 1, 2].map(|c| image[[3 * row + 1, 3 * column + 1, c]]);
+        let expected = if *code == 0 { [0, 137, 0] } else { at(&plain) };
+        assert_eq!(at(&green), expected, "{row} {column}");
+    }
+    // Scores leave out what is not hit, and say so.
+    let line = "eval green/scene_disparity.pfm green/scene_disparity.pfm --border 0 --json";
+    let (masked, all) = (bench.run(line), bench.run(&format!("{line} --mask none")));
+    assert!(masked.stderr.contains("scene_hit_mask.png") && !all.stderr.contains("scene_hit_mask.png"), "{masked:?}");
+    let compared = |outcome: &crate::common::Outcome| {
+        let scores: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+        scores["compared"].as_u64().unwrap() as usize
+    };
+    assert_eq!((compared(&masked), compared(&all)), (mask.len() - misses, mask.len()));
+}
+
+/// What is wrong with the views is said before they are rendered, and by `holo info` too.
+#[test]
+fn views_that_hardly_differ_are_found_before_they_are_rendered() {
+    let bench = bench();
+    let info = bench.run("info squares.glb --views 9 --lenses 33x33");
+    assert!(info.stdout.contains("the views hardly differ") && info.stdout.contains("--disparity=-1,1"), "{info:?}");
+    let rendered = bench.run("render squares.glb --views 9 --lenses 33x33 --spp 1 --out few");
+    let (warning, done) =
+        (rendered.stderr.find("the views hardly differ"), rendered.stderr.find("rendered 9 x 9 views"));
+    assert!(warning.is_some() && warning < done, "{rendered:?}");
 }

@@ -340,7 +340,7 @@ const LISTS: [(&str, &str); 4] = [
 ];
 
 /// Files of a folder of a rig, as `DATASET.md` lists them.
-const FILES: [(&str, &str); 10] = [
+const FILES: [(&str, &str); 11] = [
     (names::ELEMENTAL_PNG, "the raw image behind the lenses"),
     (names::VIEWPOINT_PNG, "all views side by side"),
     (names::LIGHT_FIELD_MAT, "the light field as a 5D array for MATLAB"),
@@ -348,6 +348,7 @@ const FILES: [(&str, &str); 10] = [
     (names::DISPARITY_PFM, "disparity of the central view, px between adjacent views"),
     (names::DISPARITY_PNG, "the same as an image, brighter is nearer"),
     (names::DEPTH_PFM, "depth of the central view, m"),
+    (names::HIT_MASK_PNG, "255 where the central view sees the scene, 0 where depth is infinite"),
     ("scene_visibility.pfm", "part of all views that see the point of a pixel, if it was requested; 1: no occlusion"),
     (names::PARAMETERS_CFG, "the cameras, with the keys of the HCI benchmark"),
     (names::MANIFEST_JSON, "settings, versions, exposure, and the SHA-256 of every file"),

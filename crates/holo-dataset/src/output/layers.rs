@@ -5,7 +5,7 @@
 //! layers of the central view.
 
 use holo_core::LightFieldOwned;
-use holo_io::{Compression, Destination, FileDigest, dataset};
+use holo_io::{ColorEncoding, Compression, Destination, FileDigest, dataset};
 use holo_render::{Layer, Layers, Rendered};
 use ndarray::{Array2, ArrayView3, Axis};
 use rayon::prelude::*;
@@ -31,6 +31,14 @@ pub(crate) fn write(
         let plane = disparity.index_axis(Axis(2), 0);
         let written = holo_io::write_disparity_png(path, plane, low, high, Compression::Best)?;
         folder.add(dataset::DISPARITY_PNG, written);
+    }
+    if let (true, Some((_, mask))) =
+        (wanted.hit_mask, rendered.central.iter().find(|(layer, _)| *layer == Layer::HitMask))
+    {
+        let codes = mask.mapv(|hit| if hit > 0.0 { 255_u8 } else { 0 });
+        let path = folder.file(dataset::HIT_MASK_PNG);
+        let written = holo_io::write_png(path, codes.view(), ColorEncoding::Linear, Compression::Best)?;
+        folder.add(dataset::HIT_MASK_PNG, written);
     }
     let all = rendered.all.iter().flat_map(Layers::iter);
     for (layer, field) in all.filter(|(layer, _)| wanted.written.contains(*layer)) {

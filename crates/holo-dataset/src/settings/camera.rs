@@ -9,7 +9,7 @@ use holo_render::Reuse;
 use super::RenderSettings;
 use super::given::Given;
 use super::table::RigSettings;
-use super::types::Pixels;
+use super::types::{Focus, Pixels, Spacing};
 use super::value::{Malformed, SettingType};
 use crate::Error;
 
@@ -175,4 +175,28 @@ impl Poses {
             Self::Array { cameras, .. } => Some(cameras),
         }
     }
+}
+
+/// Returns a plenoptic camera with the focus and the f-number of `given`, and removes them from it: they are the camera's
+/// then.
+///
+/// # Errors
+/// [`Error::BadRequest`] for malformed values; [`Error::Io`] if the camera cannot have them.
+pub fn adjusted_camera(mut camera: CameraFile, given: &mut Given) -> Result<CameraFile, Error> {
+    let mut own = Given::default();
+    for key in ["focus-m", "f-number"] {
+        if let Some(text) = given.remove(key) {
+            own.insert(key, text)?;
+        }
+    }
+    let mut settings = RenderSettings::default();
+    settings.apply(&own)?;
+    let Some(rig) = settings.camera.rig() else { return Ok(camera) };
+    if let Focus::Meters(depth_m) = rig.focus {
+        camera = camera.with_focus_m(depth_m)?;
+    }
+    if let (Spacing::FNumber(f_number), true) = (rig.spacing, own.get("f-number").is_some()) {
+        camera = camera.with_f_number(f_number)?;
+    }
+    Ok(camera)
 }

@@ -10,8 +10,8 @@ use holo_scene::gltf::LightUnits;
 
 use super::declare::settings;
 use super::types::{
-    Exposure, Focus, Frames, LayerChoice, Output, Pixels, Point, SensorName, Sky, Spacing, Tool, ViewSubset, angle_deg,
-    bit_depth, bounces, lens_shifts,
+    Color, Exposure, Focus, Frames, LayerChoice, Output, Pixels, Point, SensorName, Sky, Spacing, Tool, ViewSubset,
+    angle_deg, bit_depth, bounces, lens_shifts,
 };
 use super::value::{Kind, Malformed, SettingType, not_negative, positive, share};
 use super::{RenderSettings, Setting};
@@ -135,6 +135,9 @@ settings! {
         /// Environment light: linear radiance of a constant sky (one number is gray), an equirectangular map (.hdr, .exr;
         /// .png, .jpg as sRGB), or `auto`: black, and a soft sky for scenes without light.
         sky: Sky = Sky::Automatic, "sky" "auto|R,G,B|FILE";
+        /// Color behind the scene instead of the environment, linear RGB: the camera sees it where nothing is hit, and it
+        /// lights nothing.
+        backdrop: Option<Color>, "backdrop" "R,G,B";
         /// Random seed.
         seed: u64 = 0, "seed" "N";
     }

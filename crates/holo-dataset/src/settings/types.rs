@@ -489,6 +489,32 @@ fn shortest(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
 
+/// Linear RGB, each from 0 up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Color(pub [f32; 3]);
+
+impl From<[f32; 3]> for Color {
+    fn from(rgb: [f32; 3]) -> Self {
+        Self(rgb)
+    }
+}
+
+impl SettingType for Color {
+    const KIND: Kind = Kind::Other("tuple[float, float, float] | float | str");
+
+    /// Parses `R,G,B`, or one number for gray.
+    fn parse(text: &str) -> Result<Self, Malformed> {
+        match Sky::parse(text) {
+            Ok(Sky::Constant(rgb)) => Ok(Self(rgb)),
+            _ => Err("give three numbers from 0 up, R,G,B, or one for gray".into()),
+        }
+    }
+
+    fn value(&self) -> ManifestValue {
+        Sky::Constant(self.0).value()
+    }
+}
+
 /// A point or a direction in the world of a scene, (x, y, z); a point in meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point(pub [f64; 3]);

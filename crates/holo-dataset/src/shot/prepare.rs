@@ -141,15 +141,47 @@ impl Setup<'_> {
         pose: usize,
         diagnostics: &dyn Diagnostics,
     ) -> Result<Prepared, Error> {
+        self.prepare_after(None, (stage, world), pose, diagnostics)
+    }
+
+    /// As [`prepare`](Self::prepare), with the acceleration structure of `earlier` if that was prepared in the same world and
+    /// has the same pose.
+    pub fn prepare_after(
+        &self,
+        earlier: Option<Prepared>,
+        (stage, world): (&Stage, &World),
+        pose: usize,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<Prepared, Error> {
         let start = Instant::now();
         let placed = self.place(stage, pose, diagnostics)?;
-        let renderer = world.at(&placed.pose()).map_err(|e| blame(self.source.path(), &self.settings.light.sky, e))?;
         let (pose, name) = (placed.pose(), placed.name());
+        let renderer = match earlier {
+            Some(earlier) if earlier.pose == pose => earlier.renderer,
+            _ => world.at(&pose).map_err(|e| self.blame(e))?,
+        };
         let camera = match placed {
             Placed::Views(framed) => Optics::Rig(self.focused(&renderer, &framed)?),
             Placed::Raw { camera, .. } => *camera,
         };
         Ok(Prepared { camera, pose, name, renderer, build_seconds: start.elapsed().as_secs_f64() })
+    }
+
+    /// Prepares the same camera for images that are looked at while it moves: `still` stands in the world's origin.
+    pub fn prepare_moved(&self, stage: &Stage, still: &Renderer) -> Result<Prepared, Error> {
+        let start = Instant::now();
+        let placed = self.place(stage, 0, &())?;
+        let (pose, name) = (placed.pose(), placed.name());
+        let renderer = still.moved(&pose).map_err(|e| self.blame(e))?;
+        let camera = match placed {
+            Placed::Views(framed) => Optics::Rig(self.focused(&renderer, &framed)?),
+            Placed::Raw { camera, .. } => *camera,
+        };
+        Ok(Prepared { camera, pose, name, renderer, build_seconds: start.elapsed().as_secs_f64() })
+    }
+
+    fn blame(&self, error: holo_render::Error) -> Error {
+        blame(self.source.path(), &self.settings.light.sky, error)
     }
 
     /// The camera at a pose, before its focus is known.

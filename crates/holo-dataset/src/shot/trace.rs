@@ -25,6 +25,7 @@ pub(crate) fn transport(light: &LightSettings, integrator: Integrator) -> Transp
     let mut transport = Transport::default();
     (transport.integrator, transport.samples, transport.seed) = (integrator, samples, light.seed);
     transport.sky = sky::constant(&light.sky);
+    transport.backdrop = light.backdrop.map(|color| color.0);
     (transport.max_bounces, transport.roulette) = (light.max_bounces, light.roulette);
     transport.target_error = light.target_error;
     transport.indirect = light.indirect;
@@ -74,6 +75,12 @@ pub(super) fn trace(
     let Setup { settings, wanted, .. } = setup;
     let camera = before(setup, diagnostics)?;
     let renderer = &prepared.renderer;
+    // A part may see nothing where the whole image does.
+    let warnings = match settings.camera {
+        Camera::Rig(_) if request.rows.is_none() => prepared.warnings()?,
+        _ => Vec::new(),
+    };
+    warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
     let mut rendered = match keeper {
         Some(keeper) => renderer.render_with_checkpoint(request, progress, keeper)?,
         None => renderer.render(request, progress)?,
@@ -93,15 +100,6 @@ pub(super) fn trace(
         let note = "note: the scene has no light sources, so there is no color, only ground truth; try `sky auto`";
         diagnostics.report(About::Scene, note);
     }
-    // A part may see nothing where the whole image does.
-    let is_whole = request.rows.is_none();
-    let warnings = match prepared.rig() {
-        Some(rig) if is_whole && !matches!(settings.camera, Camera::Pinhole) => {
-            warning::of(renderer, rig, &rendered.central)?
-        }
-        _ => Vec::new(),
-    };
-    warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
     let manifest = identity::describe(identity, (settings, wanted), (stage, prepared), &rendered, request);
     let camera = match (camera, prepared.rig()) {
         (Some(raw), _) => raw,

@@ -5,10 +5,10 @@ use std::fmt;
 use holo_core::Rig;
 use holo_core::plenoptic::PlenopticMode;
 use holo_io::CameraFile;
-use holo_render::{Layer, Layers, Renderer};
+use holo_render::Layers;
 use ndarray::Array3;
 
-use crate::{Error, text};
+use crate::text;
 
 /// A warning that an image is probably not what was wanted. [`Display`](fmt::Display) gives one line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,20 +41,13 @@ impl fmt::Display for RenderWarning {
     }
 }
 
-/// The warnings about a complete render with these layers of the central view.
-pub(super) fn of(renderer: &Renderer, rig: &Rig, central: &Layers<Array3<f32>>) -> Result<Vec<RenderWarning>, Error> {
-    let depths = match central.depth_m() {
-        Some(depths) => hits(depths),
-        // The depth was not requested.
-        None => match renderer.central_layers(rig, [Layer::Depth].into())?.depth_m() {
-            Some(depths) => hits(depths),
-            None => return Ok(Vec::new()),
-        },
-    };
-    Ok(match depths {
-        None => vec![RenderWarning::NothingHit],
-        Some(depths) => almost_equal(rig, depths).into_iter().collect(),
-    })
+/// The warnings about a rig whose central view has these layers.
+pub(super) fn of(rig: &Rig, central: &Layers<Array3<f32>>) -> Vec<RenderWarning> {
+    match central.depth_m().map(hits) {
+        None => Vec::new(),
+        Some(None) => vec![RenderWarning::NothingHit],
+        Some(Some(depths)) => almost_equal(rig, depths).into_iter().collect(),
+    }
 }
 
 /// The nearest and the farthest depth that are finite.

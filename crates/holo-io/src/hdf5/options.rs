@@ -41,8 +41,9 @@ impl Hdf5Map {
 pub struct Hdf5Options {
     /// Level of gzip after shuffle, 1 to 9; 0 stores samples uncompressed.
     pub gzip_level: u8,
-    /// Lens rows, lens columns, view rows and view columns of a chunk; `None` for 4, 4, 10 and 10, or fewer lens rows
-    /// and more lens columns where lens rows are large. Each chunk contains all channels.
+    /// Lens rows, lens columns, view rows and view columns of a chunk; `None` for a chunk by the shape: of up to 10 views
+    /// along an axis it has one, so that a view is read alone; of more a tenth of them, as a compromise between views and
+    /// elemental images. Each chunk contains all channels.
     pub chunk: Option<[usize; 4]>,
 }
 
@@ -53,9 +54,11 @@ impl Default for Hdf5Options {
     }
 }
 
-/// Lens rows, lens columns, view rows and view columns of the default chunk: a compromise between reading views and
-/// elemental images.
-const CHUNK: [usize; 4] = [4, 4, 10, 10];
+/// Pixels of a default chunk: 48 KB of three floats each.
+const CHUNK_PIXELS: usize = 4096;
+
+/// A default chunk has one of so many views along an axis.
+const VIEWS_A_CHUNK: usize = 10;
 
 /// Maximum size of the lens rows of a default chunk in bytes, where reducing its rows can reach it.
 const MAX_BAND_BYTES: usize = 256 << 20;
@@ -80,7 +83,7 @@ impl Hdf5Options {
     /// All lens rows of a chunk are in memory when it is written. Where they exceed `MAX_BAND_BYTES`, the default chunk
     /// gets fewer lens rows and more lens columns.
     pub(crate) fn chunk_of(&self, shape: &[usize], element_bytes: usize) -> Vec<usize> {
-        let mut wanted = self.chunk.unwrap_or(CHUNK);
+        let mut wanted = self.chunk.unwrap_or_else(|| chunk_by_shape(shape));
         let row_bytes = shape[1..].iter().product::<usize>().saturating_mul(element_bytes);
         while self.chunk.is_none() && wanted[0] > 1 && row_bytes.saturating_mul(wanted[0]) > MAX_BAND_BYTES {
             wanted[0] /= 2;
@@ -91,6 +94,15 @@ impl Hdf5Options {
     }
 }
 
+/// The default chunk of a dataset of this shape, before its lens rows are limited.
+fn chunk_by_shape(shape: &[usize]) -> [usize; 4] {
+    let [rows, columns] = [2, 3].map(|axis| shape.get(axis).map_or(1, |count| count.div_ceil(VIEWS_A_CHUNK)).max(1));
+    let lenses = (CHUNK_PIXELS / (rows * columns)).max(1);
+    // A power of two near the root.
+    let lens_rows = 1 << (lenses.ilog2() / 2);
+    [lens_rows, lenses / lens_rows, rows, columns]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,12 +110,20 @@ mod tests {
     #[test]
     fn chunks_have_fewer_rows_where_rows_are_large() {
         let chunk = |shape: [usize; 5], bytes| Hdf5Options::default().chunk_of(&shape, bytes);
-        assert_eq!(chunk([53, 79, 100, 100, 3], 4), [4, 4, 10, 10, 3]);
-        assert_eq!(chunk([3, 2, 5, 100, 1], 4), [3, 2, 5, 10, 1]);
+        assert_eq!(chunk([53, 79, 100, 100, 3], 4), [4, 10, 10, 10, 3]);
+        assert_eq!(chunk([3, 2, 5, 100, 1], 4), [3, 2, 1, 10, 1]);
         // 64K pixels across.
-        assert_eq!(chunk([430, 655, 100, 100, 3], 4), [2, 8, 10, 10, 3]);
-        assert_eq!(chunk([430, 655, 100, 100, 3], 1), [4, 4, 10, 10, 3]);
+        assert_eq!(chunk([430, 655, 100, 100, 3], 4), [2, 20, 10, 10, 3]);
+        assert_eq!(chunk([430, 655, 100, 100, 3], 1), [4, 10, 10, 10, 3]);
         let own = Hdf5Options { chunk: Some([4, 4, 10, 10]), ..Hdf5Options::default() };
         assert_eq!(own.chunk_of(&[430, 655, 100, 100, 3], 4), [4, 4, 10, 10, 3]);
+    }
+
+    #[test]
+    fn few_views_are_read_one_by_one() {
+        let chunk = |shape: &[usize]| Hdf5Options::default().chunk_of(shape, 4);
+        assert_eq!(chunk(&[512, 512, 9, 9, 3]), [64, 64, 1, 1, 3]);
+        assert_eq!(chunk(&[265, 397, 20, 20, 3]), [32, 32, 2, 2, 3]);
+        assert_eq!(chunk(&[512, 600]), [64, 64]);
     }
 }

@@ -49,6 +49,7 @@ class Settings(TypedDict, total=False):
     denoise: Reduce the noise of color: with `denoise views` by the samples of neighboring views, or by those pixels of a plenoptic camera that see the same point; a small bias that more samples remove. What is left of the noise moves with the true disparity: not for scoring or training stereo. Default: off.
     cull: Hide surfaces that are not double-sided from behind, as game engines do; shadows and mirrors still show them.
     sky: Environment light: linear radiance of a constant sky (one number is gray), an equirectangular map (.hdr, .exr; .png, .jpg as sRGB), or `auto`: black, and a soft sky for scenes without light. Default: auto.
+    backdrop: Color behind the scene instead of the environment, linear RGB: the camera sees it where nothing is hit, and it lights nothing.
     seed: Random seed. Default: 0.
     write: Files to write, separated by commas [default: vpi,el,mat, and disparity,depth unless `layers` names others; without color no vpi, el and mat. Of a plenoptic camera raw,raw-png,white,centers].
     layers: Layers (AOVs) to write as float maps (PFM), separated by commas [default: those of `write`]. Each describes the first surface, glass included, that the ray through the center of a pixel hits. scene_LAYER.pfm is of the central view; with `ground-truth all` the folder LAYER has one of every view.
@@ -100,6 +101,7 @@ class Settings(TypedDict, total=False):
     denoise: Literal["off", "views"] | None
     cull: bool | None
     sky: str | float | tuple[float, float, float] | os.PathLike[str] | None
+    backdrop: tuple[float, float, float] | float | str | None
     seed: int | None
     write: Sequence[Literal["vpi", "el", "disparity", "depth", "exr", "mat", "h5", "hci", "hci-highres", "raw", "raw-png", "white", "centers"]] | str | None
     layers: Sequence[Literal["color", "depth", "ray-length", "disparity", "geometric-normal", "shading-normal", "albedo", "object-id", "material-id", "hit-mask", "all", "visibility", "optical-flow", "scene-flow", "lens-row", "lens-column", "lens-type", "white", "virtual-depth", "blur", "inverse-depth-mean", "inverse-depth-deviation", "coverage", "error"]] | str | None

@@ -5,12 +5,17 @@ from __future__ import annotations
 import json
 import os
 import pathlib
+import subprocess
+import sys
 from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from typing import Any
 
 import numpy as np
 
 from . import _holo
-from .errors import Error
+from ._options import text_of, texts_of
+from .errors import Error, UsageError
 from .images import read_image
 from .light_field import LightField, open as open_light_field
 
@@ -72,6 +77,14 @@ class Job:
         return f"<Job {self.scene!r}: {what} in {self.path}>"
 
 
+def run_command(words: Sequence[str]) -> None:
+    """Runs `holo` with these words in a process of its own, which has its own threads and its own handler of Ctrl-C."""
+    done = subprocess.run([sys.executable, "-m", "holo", *words], capture_output=True, text=True)
+    if done.returncode != 0:
+        said = [line.removeprefix("holo: ") for line in done.stderr.splitlines() if line.startswith(("holo: ", "error: "))]
+        raise (UsageError if done.returncode == 2 else Error)("\n".join(said) or done.stderr.strip())
+
+
 class Dataset(Sequence):
     """The jobs of a folder that `holo dataset` wrote.
 
@@ -107,6 +120,55 @@ class Dataset(Sequence):
                 folder = self.path / scene
                 self.jobs += [Job(folder / f"{size[1]}x{size[0]}", scene, size) for size in sizes]
                 self.jobs += [Job(folder / name, scene, None, name) for name in names]
+
+    @classmethod
+    def render(
+        cls,
+        out: str | os.PathLike,
+        *,
+        scenes: Sequence[str] | None = None,
+        glb: Sequence[str | os.PathLike] = (),
+        views: Sequence[int | tuple[int, int]] | None = None,
+        cameras: Sequence[str | os.PathLike] = (),
+        executor: Executor | None = None,
+        parts: int | None = None,
+        threads: int = 0,
+        **settings: Any,
+    ) -> Dataset:
+        """Renders a dataset into a folder, as `holo dataset` does, and opens it. What is complete there is kept.
+
+        scenes: of the gallery, all by default; [] for none. glb: files of your own. views: numbers of views, each one number
+            or (rows, columns). cameras: plenoptic cameras instead of views, presets or camera files.
+        executor: any `concurrent.futures.Executor` that runs the parts, such as `ProcessPoolExecutor`, or those of Dask
+            (`client.get_executor()`), submitit and mpi4py. Its workers need this package, and see the folder out.
+        parts: into how many parts the jobs are divided, one by default without an executor, else as many as it says it has
+            workers, or 8. Every part is a process with threads threads, 0 for one per core.
+        settings: those of `holo dataset`, `_` for `-`.
+
+            with ProcessPoolExecutor(2) as pool:
+                dataset = holo.Dataset.render("out", scenes=["garden", "chess"], views=[20], executor=pool, spp=4)
+        """
+        words = ["dataset", "--out", os.fspath(out), "--quiet"]
+        if scenes is not None:
+            words += ["--scenes", ",".join(scenes) or "none"]
+        if glb:
+            words += ["--glb", ",".join(os.fspath(path) for path in glb)]
+        if views is not None:
+            words += ["--views", ",".join(text_of("views", count) for count in views)]
+        if cameras:
+            words += ["--camera-file", ",".join(os.fspath(camera) for camera in cameras)]
+        if threads:
+            words += ["--threads", str(threads)]
+        for name, text in texts_of(settings).items():
+            words += [f"--{name}"] if text == "true" else [] if text == "false" else [f"--{name}={text}"]
+        if executor is not None:
+            count = parts or getattr(executor, "_max_workers", None) or 8
+            futures = [executor.submit(run_command, [*words, "--shard", f"{k + 1}/{count}"]) for k in range(count)]
+            for future in futures:
+                future.result()
+        # Finds the jobs done, and writes what describes them all.
+        run_command(words)
+        return cls(out)
 
     def __len__(self):
         return len(self.jobs)

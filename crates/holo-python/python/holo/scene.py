@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import _holo
+from . import _editing, _holo
 from .errors import Error
 
 
@@ -145,6 +145,68 @@ class Scene:
             view = {"eye": eye, "target": target, "up": [float(x) for x in up], "vertical_angle_rad": angle}
         items = [mesh._as_item() for mesh in meshes]
         return cls(name, glb=bytes(_holo.meshes_to_glb(items, [light._as_item() for light in lights], view)))
+
+    @property
+    def materials(self) -> list[str]:
+        """The names of the materials."""
+        return [item.get("name", "") for item in _editing.document_of(self.to_glb()).get("materials", [])]
+
+    @property
+    def lights(self) -> list[str]:
+        """The names of the punctual lights."""
+        return [item.get("name", "") for item in _editing.lights_of(_editing.document_of(self.to_glb()))]
+
+    @property
+    def objects(self) -> list[str]:
+        """The names of the nodes: objects, cameras and lights."""
+        return [item.get("name", "") for item in _editing.document_of(self.to_glb()).get("nodes", [])]
+
+    def with_material(
+        self,
+        name: str,
+        *,
+        base_color: tuple | None = None,
+        metallic: float | None = None,
+        roughness: float | None = None,
+        emission: tuple | None = None,
+    ) -> Scene:
+        """The scene with a material changed: base_color, linear RGB or RGBA, instead of its color or texture; metallic and
+        roughness, 0 to 1, times those of its texture; emission, linear RGB radiance."""
+
+        def change(document):
+            for item in _editing.named(document.get("materials", []), name, "material"):
+                _editing.change_material(item, base_color, metallic, roughness, emission)
+
+        return self._changed(change)
+
+    def with_light(self, name: str, *, color: tuple | None = None, intensity: float | None = None) -> Scene:
+        """The scene with a punctual light changed: color, linear RGB; intensity in candela, of a sun in lux."""
+
+        def change(document):
+            for item in _editing.named(_editing.lights_of(document), name, "light"):
+                _editing.change_light(item, color, intensity)
+
+        return self._changed(change)
+
+    def with_object(
+        self,
+        name: str,
+        *,
+        translation: tuple | None = None,
+        rotation: tuple | None = None,
+        scale: tuple | None = None,
+    ) -> Scene:
+        """The scene with an object placed elsewhere, relative to its parent: translation in meters, rotation as a unit
+        quaternion (x, y, z, w), scale along its axes."""
+
+        def change(document):
+            for item in _editing.named(document.get("nodes", []), name, "object"):
+                _editing.change_node(item, translation, rotation, scale)
+
+        return self._changed(change)
+
+    def _changed(self, change) -> Scene:
+        return Scene(self.name, glb=_editing.edited(self.to_glb(), change))
 
     @property
     def path(self) -> pathlib.Path | None:

@@ -3,15 +3,17 @@
 
 use super::Context;
 use super::light_sampling::candidates;
+use super::paths::PathPacket;
 use super::shade::Shading;
-use crate::accel::{NO_TRIANGLE, RayHits};
+use crate::accel::{NO_TRIANGLE, RayHits, Rays};
 use crate::simd::{LANES, Lanes};
+use holo_scene::MAX_RADIANCE;
 
 /// The weighted radiance that rays receive if they miss the scene: of the constant sky, the environment map and the
 /// discs of directional lights. `pdf` is the BSDF-sampling pdf of their directions. Lanes that are `shared`
 /// receive only the discs.
 #[inline(always)]
-pub(super) fn environment_radiance(
+fn environment_radiance(
     context: &Context,
     direction: &[[f32; LANES]; 3],
     pdf: &[f32; LANES],
@@ -46,6 +48,32 @@ pub(super) fn environment_radiance(
         }
     }
     out
+}
+
+/// Adds the radiance that rays receive if they miss the scene; see [`environment_radiance`]. Rays of the camera see the
+/// backdrop, if there is one.
+#[inline(always)]
+pub(super) fn add_environment(
+    context: &Context,
+    rays: &Rays,
+    (misses, shared, sees_backdrop): (&[bool; LANES], &[bool; LANES], bool),
+    paths: &PathPacket,
+    contribution: &mut [[f32; LANES]; 3],
+) {
+    let backdrop = context.scene.backdrop.filter(|_| sees_backdrop);
+    if !misses.contains(&true) || (backdrop.is_none() && !context.scene.has_light_at_infinity()) {
+        return;
+    }
+    let radiance = match backdrop {
+        Some(backdrop) => backdrop.map(|channel| [channel; LANES]),
+        None => environment_radiance(context, &rays.direction, &paths.bsdf_pdf, shared),
+    };
+    for lane in 0..LANES {
+        for c in 0..3 {
+            let found = (paths.throughput[c][lane] * radiance[c][lane]).min(MAX_RADIANCE);
+            contribution[c][lane] += if misses[lane] { found } else { 0.0 };
+        }
+    }
 }
 
 /// The weight of emission that rays find by BSDF sampling.

@@ -33,7 +33,7 @@ use super::shade::{self, Shading};
 use super::unseen::Unseen;
 use super::{Context, RayCounts, mis};
 use crate::accel::refine;
-use crate::accel::{CAMERA_RAY, Coherence, NO_TRIANGLE, RayHits, Rays};
+use crate::accel::{CAMERA_RAY, Coherence, NO_TRIANGLE, RayHits};
 use crate::camera::tile::Tile;
 use crate::camera::{CameraRays, PixelPacket};
 use crate::film::adaptive::Samples;
@@ -45,7 +45,6 @@ use crate::material::{HitPoints, SurfaceInteraction};
 use crate::sampling::{self, RANKS, Runs, SamplesPerPixel};
 use crate::simd::Kernel;
 use crate::simd::{LANES, at, count};
-use holo_scene::MAX_RADIANCE;
 
 /// The number of [changes](paths::changes) of scattered rays, as a running mean over the packets before, above which they are
 /// traced as incoherent (tuned for speed): towards walls and floors
@@ -351,7 +350,8 @@ impl TilePaths<'_> {
             let direction = &packet.rays.direction;
             is_shared = self.scratch.shared.environment(&context.scene, places, &misses, direction);
         }
-        add_environment(context, &packet.rays, &misses, &is_shared, &traced.paths, &mut contribution);
+        let escaped = (&misses, &is_shared, vertex == 0);
+        mis::add_environment(context, &packet.rays, escaped, &traced.paths, &mut contribution);
         let found = SurfaceInteraction::new(context.scene.appearance, context.scene.geometry, packet, &traced.points);
         if vertex == 0 && !stage.gathers && matches!(context.guides, Some(Movement::Disparity(..))) {
             let packet = traced.paths.pixel[0] as usize / LANES;
@@ -420,6 +420,9 @@ impl TilePaths<'_> {
             let numbers = sampling::ray_numbers(&runs.sequence, &indices, 0);
             packet.rays.id = numbers.map(|number| number | CAMERA_RAY);
         }
+        if let Some(moved) = context.moved {
+            moved.move_rays(&mut packet.rays);
+        }
         context.scene.engine.intersect(&valid, packet, Coherence::Coherent);
         let refined = refine::refine(context.scene.geometry, packet, &exact);
         if let Some(Movement::Disparity(map, _)) = &context.guides
@@ -450,7 +453,10 @@ impl TilePaths<'_> {
         Traced {
             paths,
             sequences: runs.sequence,
-            points: HitPoints::primary(&exact, &refined, cells.as_ref()),
+            points: match context.moved {
+                None => HitPoints::primary(&exact, &refined, cells.as_ref()),
+                Some(_) => HitPoints::secondary(context.scene.geometry, packet),
+            },
             coherence,
         }
     }
@@ -571,28 +577,6 @@ fn add(scratch: &mut Scratch, context: &Context, vertex: u32, paths: &PathPacket
                 let added = at(contribution, lane).map(|value| value * scale);
                 guides.add_second(pixel / LANES, pixel % LANES, added);
             }
-        }
-    }
-}
-
-/// Adds the radiance that rays receive if they miss the scene.
-#[inline(always)]
-fn add_environment(
-    context: &Context,
-    rays: &Rays,
-    misses: &[bool; LANES],
-    shared: &[bool; LANES],
-    paths: &PathPacket,
-    contribution: &mut [[f32; LANES]; 3],
-) {
-    if !misses.contains(&true) || !context.scene.has_light_at_infinity() {
-        return;
-    }
-    let radiance = mis::environment_radiance(context, &rays.direction, &paths.bsdf_pdf, shared);
-    for lane in 0..LANES {
-        for c in 0..3 {
-            let found = (paths.throughput[c][lane] * radiance[c][lane]).min(MAX_RADIANCE);
-            contribution[c][lane] += if misses[lane] { found } else { 0.0 };
         }
     }
 }

@@ -379,3 +379,32 @@ fn instanced_slivers_do_not_shade_themselves() {
         assert_eq!(dark, 0, "{what}: of {}", color.samples().len());
     }
 }
+
+/// A camera that is moved sees what a camera sees that stands there, but for rounding at edges; and nothing else than color.
+#[test]
+fn moved_cameras_see_the_same() {
+    let scene = scene();
+    let world = World::new(&scene, Backend::Auto, NonZeroUsize::new(2)).expect("a world");
+    let start = Transform::from_translation([0.5, 0.25, 1.0]);
+    let still = world.at(&start).expect("a renderer");
+    // Without what depends on the frame of random directions: the sun, and the wall that the camera sees.
+    let request = Request::new(rig()).integrator(Integrator::Direct).samples(1).layers(LayerSet::EMPTY);
+    for (place, turn) in [([0.0; 3], 0.0_f64), ([0.3, -0.2, 0.5], 0.4), ([-4.0, 1.0, -3.0], -1.2)] {
+        let (sine, cosine) = turn.sin_cos();
+        let columns = [[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]];
+        let pose = Transform { columns, translation: place };
+        let from_start = Transform { columns, translation: std::array::from_fn(|k| place[k] - start.translation[k]) };
+        let color = |renderer: Renderer| renderer.render(&request, &()).expect("an image").color.expect("color");
+        let there = color(world.at(&pose).expect("a renderer"));
+        let moved = color(still.moved(&from_start).expect("a renderer"));
+        let (there, moved) = (there.samples(), moved.samples());
+        let differ = there.iter().zip(moved).filter(|(a, b)| (*a - *b).abs() > 1e-3 * (1.0 + a.abs())).count();
+        assert!(differ * 100 < there.len(), "{turn}: {differ} of {} values differ", there.len());
+        assert!(there.iter().any(|value| *value > 0.0));
+    }
+    let moved = still.moved(&Transform::IDENTITY).expect("a renderer");
+    assert!(moved.render(&request.clone().layers([crate::film::layers::Layer::Depth].into()), &()).is_err());
+    assert!(moved.render(&request.clone().denoise(Denoise::Views), &()).is_err());
+    let skewed = Transform { columns: [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
+    assert!(still.moved(&skewed).is_err());
+}

@@ -218,6 +218,7 @@ impl Renderer {
                 ..self.policy(transport, integrator)
             },
             guides: has_guides.then_some(Movement::Statistics),
+            moved: self.moved.as_ref(),
             inverse_depths: (request.statistics || has_guides) && integrator != Integrator::Depth,
             stop: work.stop(),
         }

@@ -298,6 +298,16 @@ impl Request {
         Ok(())
     }
 
+    /// Validates the request for a [moved](super::Renderer::moved) renderer.
+    pub(super) fn check_moved(&self, integrator: Integrator) -> Result<(), Error> {
+        let is_plain =
+            self.layers.is_empty() && self.denoise == Denoise::Off && !self.estimate_error && !self.statistics;
+        if is_plain && integrator != Integrator::Depth && self.transport.reuse == Reuse::Off {
+            return Ok(());
+        }
+        Err(Error::BadSetting("a renderer that was moved renders plain color alone; prepare one at the pose".into()))
+    }
+
     /// Validates the request for a scene with this many instances and materials.
     pub(super) fn check(&self, counts: [usize; 2]) -> Result<(), Error> {
         self.transport.check()?;

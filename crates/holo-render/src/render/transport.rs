@@ -22,6 +22,9 @@ pub struct Transport {
     pub seed: u64,
     /// Radiance of the constant environment, linear RGB, 0 to [`MAX_RADIANCE`].
     pub sky: [f32; 3],
+    /// Radiance that camera rays receive instead of the environment if they miss the scene, linear RGB, 0 to
+    /// [`MAX_RADIANCE`]; it lights nothing. `None`: the environment.
+    pub backdrop: Option<[f32; 3]>,
     /// The maximum number of bounces (scatterings), 1 to 65,536, of the integrator `Path`, also if `Auto` selects it.
     pub max_bounces: u32,
     /// Whether paths with low throughput may be terminated by Russian roulette (unbiased).
@@ -65,6 +68,7 @@ impl Default for Transport {
             samples: 1.into(),
             seed: 0,
             sky: [0.0; 3],
+            backdrop: None,
             max_bounces: 8,
             roulette: true,
             target_error: None,
@@ -87,6 +91,7 @@ macro_rules! transport_setters {
             integrator: Integrator,
             seed: u64,
             sky: [f32; 3],
+            backdrop: Option<[f32; 3]>,
             max_bounces: u32,
             roulette: bool,
             target_error: Option<f64>,
@@ -166,6 +171,10 @@ impl Transport {
         }
         if self.indirect_limit.is_nan() || self.indirect_limit <= 0.0 {
             return Err(Error::BadSetting(format!("the indirect limit {} must be above 0", self.indirect_limit)));
+        }
+        if let Some(backdrop) = self.backdrop.filter(|rgb| rgb.iter().any(|c| !(0.0..=MAX_RADIANCE).contains(c))) {
+            let range = format!("between 0 and {MAX_RADIANCE:e}");
+            return Err(Error::BadSetting(format!("the backdrop {backdrop:?} must lie {range}")));
         }
         if self.sky.iter().any(|c| !(0.0..=MAX_RADIANCE).contains(c)) {
             return Err(Error::BadSetting(format!("the sky {:?} must lie between 0 and {MAX_RADIANCE:e}", self.sky)));

@@ -1,0 +1,197 @@
+//! From the state of a page to a render job. Here is decided what a page may ask for.
+
+use holo_dataset::settings::{Given, spelled};
+use holo_dataset::{RenderJob, RenderSettings, SceneSource, Sky, adjusted_camera};
+use holo_io::CameraFile;
+
+use crate::Preview;
+use crate::inbox::Inbox;
+use crate::protocol::Look;
+
+/// The name of the camera that the program named.
+pub(crate) const OWN_CAMERA: &str = "own";
+
+/// The keys of the settings that a page can change. None of them names a file, except for `sky`: of a page it cannot be one.
+pub const SETTINGS: [&str; 30] = [
+    "views",
+    "sensor",
+    "lenses",
+    "f-number",
+    "baseline-m",
+    "disparity",
+    "focus-m",
+    "focal-mm",
+    "sensor-mm",
+    "projection",
+    "camera",
+    "eye",
+    "target",
+    "up",
+    "fov-deg",
+    "fit-object",
+    "ground",
+    "solid-glass",
+    "sky",
+    "backdrop",
+    "exposure",
+    "integrator",
+    "spp",
+    "denoise",
+    "target-error",
+    "max-bounces",
+    "seed",
+    "write",
+    "layers",
+    "reuse",
+];
+
+/// Those that only a rig has.
+pub(crate) const OF_RIG: [&str; 9] =
+    ["views", "sensor", "lenses", "baseline-m", "disparity", "focal-mm", "sensor-mm", "projection", "fov-deg"];
+
+/// The scene of a look, and a key that differs for other scenes.
+pub(crate) fn scene(look: &Look, preview: &Preview, inbox: &Inbox) -> Result<(SceneSource, String), String> {
+    if !look.scene.is_empty() {
+        return Ok((SceneSource::gallery(&look.scene).map_err(told)?, look.scene.clone()));
+    }
+    if let Some((source, number)) = inbox.dropped() {
+        return Ok((source, format!("dropped {number}")));
+    }
+    let named = preview.scene.clone().map(|scene| (scene, String::new()));
+    named.ok_or_else(|| "choose a scene of the gallery, or drop a .glb on the page".into())
+}
+
+/// The job that renders what a look shows.
+pub(crate) fn of(look: &Look, source: SceneSource, preview: &Preview) -> Result<RenderJob, String> {
+    let mut given = given(look, preview)?;
+    let mut settings = RenderSettings::default();
+    if let Some(file) = camera(look, preview)? {
+        settings.camera = adjusted_camera(file, &mut given).map_err(told)?.into();
+    }
+    settings.apply(&given).map_err(told)?;
+    let job = RenderJob::new(source, settings).engine(preview.engine);
+    job.check().map_err(told)?;
+    Ok(job)
+}
+
+/// The plenoptic camera of a look; `None`: a rig.
+fn camera(look: &Look, preview: &Preview) -> Result<Option<CameraFile>, String> {
+    match look.camera.as_str() {
+        "" => Ok(None),
+        OWN_CAMERA => Ok(preview.camera.clone()),
+        name => {
+            CameraFile::preset(name).map(Some).ok_or_else(|| format!("there is no camera '{}'", holo_core::shown(name)))
+        }
+    }
+}
+
+/// The settings of a look.
+pub(crate) fn given(look: &Look, preview: &Preview) -> Result<Given, String> {
+    let mut given = Given::default();
+    let is_raw = !look.camera.is_empty();
+    for (key, text) in look.settings.iter().filter(|(_, text)| !text.trim().is_empty()) {
+        if !SETTINGS.contains(&key.as_str()) {
+            return Err(format!("the page cannot set '{}'", holo_core::shown(key)));
+        }
+        if is_raw && OF_RIG.contains(&key.as_str()) {
+            continue;
+        }
+        let is_own = preview.given.get(key) == Some(text.as_str());
+        if key == "sky" && !is_own && is_file(text) {
+            return Err("an environment map is a file: name it where the preview is started".into());
+        }
+        given.insert(key, text.trim()).map_err(told)?;
+    }
+    Ok(given)
+}
+
+/// Whether a sky is the path of a file.
+fn is_file(text: &str) -> bool {
+    let mut settings = RenderSettings::default();
+    let mut sky = Given::default();
+    let is_read = sky.insert("sky", text).and_then(|()| settings.apply(&sky));
+    // What is no sky at all is refused later.
+    is_read.is_ok() && matches!(settings.light.sky, Sky::Map(_))
+}
+
+/// An error in the words of the page, which names settings as they are.
+pub(crate) fn told(error: impl std::fmt::Display) -> String {
+    spelled(&error.to_string(), |key, value| format!("{key}{value}"))
+}
+
+/// Why work ended.
+pub(crate) enum Ended {
+    /// Something newer is to be done.
+    Newer,
+    /// It failed.
+    Failed(String),
+}
+
+impl From<String> for Ended {
+    fn from(why: String) -> Self {
+        Self::Failed(why)
+    }
+}
+
+impl From<holo_render::Error> for Ended {
+    fn from(error: holo_render::Error) -> Self {
+        match error {
+            holo_render::Error::Cancelled => Self::Newer,
+            other => Self::Failed(told(other)),
+        }
+    }
+}
+
+impl From<holo_dataset::Error> for Ended {
+    fn from(error: holo_dataset::Error) -> Self {
+        match error {
+            holo_dataset::Error::Render(error) => error.into(),
+            other => Self::Failed(told(other)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn look(pairs: &[(&str, &str)]) -> Look {
+        let settings = pairs.iter().map(|(key, text)| ((*key).to_owned(), (*text).to_owned())).collect();
+        Look { scene: "plaster".into(), settings, ..Look::default() }
+    }
+
+    #[test]
+    fn a_page_sets_the_camera_and_names_no_files() {
+        let preview = Preview::new();
+        let of = |pairs: &[(&str, &str)]| of(&look(pairs), SceneSource::gallery("plaster").unwrap(), &preview);
+        let job = of(&[("views", "9"), ("lenses", "64x48"), ("disparity", "-1,1"), ("fov-deg", "")]).unwrap();
+        assert_eq!(job.settings.camera.rig().unwrap().views, holo_core::GridSize::new(9, 9));
+        for (key, text, words) in [
+            ("sky", "/etc/secret.hdr", "where the preview is started"),
+            ("for", "lytro", "cannot set"),
+            ("out", "/tmp", "cannot set"),
+            ("views", "-3", "views"),
+        ] {
+            let why = of(&[(key, text)]).unwrap_err();
+            assert!(why.contains(words), "{key}: {why}");
+        }
+        let mut own = Given::default();
+        own.insert("sky", "studio.hdr").unwrap();
+        let preview = Preview::new().given(own);
+        assert!(given(&look(&[("sky", "studio.hdr")]), &preview).is_ok());
+        assert!(given(&look(&[("sky", "other.hdr")]), &preview).is_err());
+    }
+
+    #[test]
+    fn plenoptic_cameras_are_presets_and_ignore_settings_of_rigs() {
+        let preview = Preview::new();
+        let mut wanted = look(&[("views", "9"), ("f-number", "2.2"), ("focus-m", "1.5")]);
+        wanted.camera = "lytro-illum".into();
+        let job = of(&wanted, SceneSource::gallery("plaster").unwrap(), &preview).unwrap();
+        let camera = &job.settings.camera.plenoptic().unwrap().camera;
+        assert!((camera.main_lens().f_number - 2.2).abs() < 1e-12);
+        wanted.camera = "/etc/passwd".into();
+        let why = of(&wanted, SceneSource::gallery("plaster").unwrap(), &preview).unwrap_err();
+        assert!(why.contains("no camera"), "{why}");
+    }
+}

@@ -1,0 +1,185 @@
+//! The studio: draws what the page looks at. It keeps the scene and its world as long as they stay the same, and the
+//! acceleration structure as long as the camera stands still.
+
+use std::sync::mpsc::Sender;
+
+use holo_dataset::{About, RenderJob, SceneSettings, SceneSource, Sky};
+use holo_scene::{Transform, gallery};
+use serde_json::json;
+
+use crate::Preview;
+use crate::draw;
+use crate::draw::{Drawing, Kept};
+use crate::inbox::{Inbox, Newest, Task};
+use crate::job::{self, Ended};
+use crate::protocol::{Event, Look, Reply};
+
+/// Width and height of the pictures of the gallery, px.
+const THUMBNAIL: [usize; 2] = [180, 120];
+
+/// What a world depends on.
+#[derive(PartialEq)]
+struct WorldKey {
+    scene: String,
+    settings: SceneSettings,
+    sky: Sky,
+}
+
+impl WorldKey {
+    fn new(scene: &str, job: &RenderJob) -> Self {
+        let mut settings = job.settings.scene.clone();
+        // Where the camera stands.
+        (settings.camera, settings.eye, settings.target, settings.up) = (None, None, None, None);
+        (settings.fov_deg, settings.fit_object) = (None, None);
+        Self { scene: scene.to_owned(), settings, sky: job.settings.light.sky.clone() }
+    }
+}
+
+pub(crate) struct Studio<'a> {
+    preview: &'a Preview,
+    inbox: &'a Inbox,
+    events: Sender<Event>,
+    /// The last scene with its key: making one of the gallery takes time.
+    source: Option<(SceneSource, String)>,
+}
+
+impl<'a> Studio<'a> {
+    pub fn new(preview: &'a Preview, inbox: &'a Inbox, events: Sender<Event>) -> Self {
+        Self { preview, inbox, events, source: None }
+    }
+
+    /// Draws until the page is gone.
+    pub fn run(mut self) {
+        self.send(Reply::new(self.hello()));
+        while let Some((task, newest)) = self.inbox.next() {
+            match task {
+                Task::Gallery => self.gallery(newest),
+                Task::Look(look) => {
+                    let number = look.number;
+                    if let Err(Ended::Failed(why)) = self.show(look, newest) {
+                        self.tell(number, &why);
+                    }
+                }
+            }
+        }
+    }
+
+    /// What a page has to know before it shows anything.
+    fn hello(&self) -> serde_json::Value {
+        let Preview { scene, camera, given, out, .. } = self.preview;
+        let scenes: Vec<_> = [gallery::NAMES, gallery::ANIMATED]
+            .concat()
+            .into_iter()
+            .map(|name| json!({"name": name, "purpose": gallery::purpose(name).unwrap_or_default()}))
+            .collect();
+        let cameras: Vec<_> = holo_core::plenoptic::presets()
+            .iter()
+            .map(|preset| json!({"name": preset.name, "description": preset.description}))
+            .collect();
+        let given: serde_json::Map<_, _> = given.iter().map(|(key, text)| (key.to_owned(), json!(text))).collect();
+        json!({
+            "kind": "hello",
+            "version": env!("CARGO_PKG_VERSION"),
+            "scene": scene.as_ref().map(|scene| holo_core::visible(&scene.name()).into_owned()),
+            "camera": camera.as_ref().map(|camera| holo_core::visible(&camera.name).into_owned()),
+            "given": given,
+            "renders": out.is_some(),
+            "gallery": scenes,
+            "cameras": cameras,
+        })
+    }
+
+    /// Loads a scene, and shows looks at it until one is of another scene.
+    fn show(&mut self, look: Look, newest: Newest) -> Result<(), Ended> {
+        let (job, key) = self.job(&look)?;
+        let notes = std::cell::RefCell::new(Vec::new());
+        let note = |_: About, line: &str| notes.borrow_mut().push(job::told(line));
+        let stage = job.stage(&note)?;
+        let world = stage.world(&job.source, &job.settings.light.sky, &job.engine)?;
+        let still = world.at(&Transform::IDENTITY)?;
+        let scene = &stage.loaded.scene;
+        self.send(Reply::new(json!({
+            "kind": "scene",
+            "name": holo_core::visible(&job.source.name()),
+            "triangles": scene.triangle_count(),
+            "cameras": scene.cameras.iter().map(|camera| holo_core::visible(&camera.name)).collect::<Vec<_>>(),
+            "bounds": scene.bounds().map(|(low, high)| [low, high]),
+            "notes": notes.take(),
+        })));
+        let mut kept = Kept::default();
+        let (mut look, mut job, mut newest) = (look, job, newest);
+        loop {
+            let drawing = Drawing {
+                stage: &stage,
+                world: &world,
+                still: &still,
+                job: &job,
+                look: &look,
+                newest,
+                events: &self.events,
+            };
+            if let Err(Ended::Failed(why)) = drawing.draw(&mut kept) {
+                self.tell(look.number, &why);
+            }
+            loop {
+                let Some((task, later)) = self.inbox.next() else { return Ok(()) };
+                let Task::Look(next) = task else {
+                    self.gallery(later);
+                    continue;
+                };
+                match self.job(&next) {
+                    Ok((_, other)) if other != key => {
+                        self.inbox.put_back(next);
+                        return Ok(());
+                    }
+                    Ok((next_job, _)) => {
+                        (look, job, newest) = (next, next_job, later);
+                        break;
+                    }
+                    Err(Ended::Failed(why)) => self.tell(next.number, &why),
+                    Err(Ended::Newer) => {}
+                }
+            }
+        }
+    }
+
+    /// The job of a look, and the key of its world.
+    fn job(&mut self, look: &Look) -> Result<(RenderJob, WorldKey), Ended> {
+        let is_kept = self.source.as_ref().is_some_and(|(_, key)| !look.scene.is_empty() && *key == look.scene);
+        if !is_kept {
+            self.source = Some(job::scene(look, self.preview, self.inbox)?);
+        }
+        let Some((source, scene)) = &self.source else { return Err(Ended::Newer) };
+        let job = job::of(look, source.clone(), self.preview)?;
+        let key = WorldKey::new(scene, &job);
+        Ok((job, key))
+    }
+
+    /// Draws all scenes of the gallery, small; the page shows each as it comes.
+    fn gallery(&self, newest: Newest) {
+        for name in gallery::NAMES {
+            if holo_render::Progress::cancelled(&newest) {
+                return;
+            }
+            let look = Look { scene: (*name).to_owned(), size: THUMBNAIL, ..Look::default() };
+            let drawn = job::scene(&look, self.preview, self.inbox)
+                .and_then(|(source, _)| job::of(&look, source, self.preview))
+                .map_err(Ended::from)
+                .and_then(|job| draw::thumbnail(&job, THUMBNAIL, newest));
+            match drawn {
+                Ok(picture) => self.send(Reply::with(json!({"kind": "thumbnail", "name": name}), picture)),
+                Err(Ended::Failed(why)) => self.tell(0, &why),
+                Err(Ended::Newer) => return,
+            }
+        }
+    }
+
+    fn send(&self, reply: Reply) {
+        // The page may be gone; the inbox says so next.
+        let _ = self.events.send(Event::Send(reply));
+    }
+
+    fn tell(&self, number: u64, text: &str) {
+        self.send(Reply::new(json!({"kind": "error", "number": number, "text": text})));
+    }
+}
