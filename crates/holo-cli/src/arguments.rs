@@ -6,6 +6,7 @@ mod choices;
 pub mod config;
 mod dataset;
 mod develop;
+mod export;
 mod headings;
 mod images;
 mod optics;
@@ -33,6 +34,7 @@ pub use camera::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
 pub use choices::DemosaicArgument;
 pub use dataset::DatasetOptions;
 pub use develop::{DemosaicOptions, DevelopOptions};
+pub use export::ExportOptions;
 pub use images::{AnimateOptions, ComposeOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions};
 pub use optics::OpticsOptions;
 pub use preview::PreviewOptions;
@@ -111,6 +113,8 @@ pub enum Command {
     Develop(DevelopOptions),
     /// Demosaic the codes that `holo develop` wrote.
     Demosaic(DemosaicOptions),
+    /// Export light fields as the files that programs of others read: for training, compression, numpy.
+    Export(ExportOptions),
     /// Pack a dataset into WebDataset archives (.tar) for training.
     Pack(PackOptions),
     /// Check a dataset, a sequence, or one folder of them, against the sizes and hashes in its manifest.json.

@@ -9,6 +9,7 @@ pub mod depth;
 pub mod develop;
 pub mod epi;
 pub mod eval;
+pub mod export;
 pub mod extract;
 pub mod info;
 pub mod merge;

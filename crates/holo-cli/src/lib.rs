@@ -63,6 +63,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Decode(options) => commands::camera::decode(&options),
         Command::Develop(options) => commands::develop::run(&options),
         Command::Demosaic(options) => commands::develop::demosaic(&options),
+        Command::Export(options) => commands::export::run(&options),
         Command::Pack(options) => commands::pack::run(&options),
         Command::Verify(options) => commands::verify::run(&options),
     };

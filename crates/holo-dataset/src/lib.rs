@@ -34,6 +34,7 @@ mod camera;
 mod collection;
 mod describe;
 mod error;
+mod export;
 mod output;
 mod resume;
 mod shot;
@@ -47,6 +48,7 @@ pub use camera::{
 pub use collection::{DatasetCameras, DatasetJob, DatasetPlan, DatasetRun, DatasetSummary, JobSummary, sources};
 pub use describe::{Archive, Described, Verification, WebDataset, finished, is_dataset, verify, write_catalog};
 pub use error::Error;
+pub use export::{EXPORT_TARGETS, ExportJob, ExportTarget, Exported};
 pub use output::{ColorStatistics, EstimatedError, OutputFolder, Rollback, Statistics};
 pub use resume::{Checkpoints, merge};
 pub use settings::{

@@ -59,6 +59,8 @@ pub struct RenderSettings {
     pub light: LightSettings,
     /// The files.
     pub output: OutputSettings,
+    /// The preset that the settings began with, for the manifest; nothing depends on it.
+    pub preset: Option<&'static Preset>,
 }
 
 impl RenderSettings {

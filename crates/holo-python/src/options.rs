@@ -26,14 +26,16 @@ pub fn settings(
             given.insert(key, text.as_str())?;
         }
     }
+    let mut settings = RenderSettings::default();
     if let Some(name) = preset {
         let known = || {
             let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
             Failure::Usage(format!("preset='{name}': give {}", names.join(", ")))
         };
-        given = given.over(Preset::by_name(name).ok_or_else(known)?.given());
+        let preset = Preset::by_name(name).ok_or_else(known)?;
+        given = given.over(preset.given());
+        settings.preset = Some(preset);
     }
-    let mut settings = RenderSettings::default();
     settings.camera = camera;
     match poses {
         Some((path, up)) => settings.apply_at_poses(given, path, up)?,

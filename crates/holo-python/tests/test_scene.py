@@ -1,4 +1,5 @@
 """Scenes that are changed by name, and datasets that executors render."""
+import json
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -62,3 +63,19 @@ def test_executors_render_datasets(tmp_path, kind):
     assert all(np.isfinite(job.disparity).any() for job in dataset)
     with pytest.raises(holo.Error, match="views"):
         holo.Dataset.render(tmp_path / "bad", scenes=["plaster"], views=[0])
+
+
+def test_a_pose_places_the_camera(scene):
+    options = {**OPTIONS, "integrator": "depth", "layers": ["depth"]}
+    pose = holo.Pose(eye=(0, 0, 1.5), target=(0, 0, -2))
+    assert holo.render(scene, pose=pose, **options).depth == pytest.approx(np.full((24, 32), 3.5), rel=1e-6)
+    settings = holo.render(scene, eye=(0, 0, 1.5), target=(0, 0, -2), **options)
+    assert np.array_equal(settings.depth, holo.render(scene, pose=pose, **options).depth)
+    with pytest.raises(holo.UsageError, match="both place"):
+        holo.render(scene, pose=pose, eye=(0, 0, 0), **options)
+
+
+def test_the_manifest_names_the_preset(scene, tmp_path):
+    holo.render_to(tmp_path / "out", scene, preset="draft", views=2, lenses=(8, 12))
+    settings = json.loads((tmp_path / "out" / "manifest.json").read_text())["settings"]
+    assert settings["preset"] == {"draft": {"spp": "1/16", "denoise": "views"}}

@@ -22,6 +22,7 @@ impl RenderOptions {
             given = given.over(preset.given());
         }
         let mut settings = RenderSettings::default();
+        settings.preset = self.preset;
         if let Some(path) = &self.camera_file {
             settings.camera = adjusted_camera(open_camera(path)?, &mut given)?.into();
         }

@@ -31,6 +31,7 @@ fn the_help_names_every_command_and_the_order_of_numbers() {
         "preview",
         "optics",
         "scene",
+        "export",
         "verify",
     ] {
         assert!(text.contains(&format!(" {command} ")), "{command}: {text}");

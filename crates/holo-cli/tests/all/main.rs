@@ -13,6 +13,7 @@ mod dataset;
 mod determinism;
 mod develop;
 mod error_chains;
+mod export;
 mod failures;
 mod help;
 mod hostile_folders;

@@ -277,6 +277,11 @@ impl OutputFolder {
         self.files.push((name.into(), written));
     }
 
+    /// Returns the names of the files that were added.
+    pub fn names(&self) -> Vec<String> {
+        self.files.iter().map(|(name, _)| name.clone()).collect()
+    }
+
     /// Writes the manifest with all files that were added, and removes files of an older manifest that it does not
     /// list, if they are as that recorded them, and checkpoints. Returns the names of the files and of the manifest.
     ///

@@ -10,7 +10,7 @@ use crate::Error;
 pub struct Given(BTreeMap<&'static str, String>);
 
 /// Settings with a name.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Preset {
     /// The name.
     pub name: &'static str,

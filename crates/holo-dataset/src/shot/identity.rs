@@ -93,6 +93,11 @@ pub(super) fn describe(
     let switch = |is_on: bool| ManifestValue::from(if is_on { "on" } else { "off" });
     let transport = &request.transport;
     set("camera", prepared.name.clone().into());
+    if let Some(preset) = settings.preset {
+        let given = preset.given();
+        let own = given.iter().map(|(key, text)| (key.to_owned(), text.into())).collect();
+        set("preset", ManifestValue::Table([(preset.name.to_owned(), ManifestValue::Table(own))].into()));
+    }
     if let Camera::Plenoptic(file) = &settings.camera {
         set("camera-file", file.name.clone().into());
         if file.is_approximate {

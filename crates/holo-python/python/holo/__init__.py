@@ -28,7 +28,7 @@ from .metrics import compare, evaluate  # noqa: E402
 from .optics import optics  # noqa: E402
 from .plenoptic import Decoded, decode, demosaic, develop, sensor_models  # noqa: E402
 from ._settings import Settings  # noqa: E402
-from .rendering import RawRendering, Rendering, render, render_raw, render_to  # noqa: E402
+from .rendering import Pose, RawRendering, Rendering, render, render_raw, render_to  # noqa: E402
 from .scene import Mesh, Scene  # noqa: E402
 
 __all__ = [
@@ -41,6 +41,7 @@ __all__ = [
     "Mesh",
     "OutOfMemoryError",
     "PlenopticCamera",
+    "Pose",
     "RawRendering",
     "Rendering",
     "Rig",

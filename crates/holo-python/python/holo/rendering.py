@@ -23,6 +23,31 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], object]
 
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a camera stands in the world of the scene (+Y up, m): at eye, looking at target, with up upward in the image.
+
+    Without target it looks at the middle of the scene. The settings eye, target and up of `render` say the same.
+    """
+
+    eye: Point
+    target: Point | None = None
+    up: Point | None = None
+
+
+def _placed(pose, settings):
+    """The settings with those of a pose."""
+    if pose is None:
+        return settings
+    own = {name: getattr(pose, name) for name in ("eye", "target", "up") if getattr(pose, name) is not None}
+    twice = [name for name in own if settings.get(name) is not None]
+    if twice:
+        raise UsageError(f"pose= and {twice[0]}= both place the camera; give one of them")
+    return {**settings, **own}
+
 
 @dataclass(repr=False)
 class Rendering:
@@ -98,6 +123,7 @@ class RawRendering:
 def render(
     scene: Scene | str | os.PathLike,
     *,
+    pose: Pose | None = None,
     progress: bool | Progress = False,
     backend: str = "auto",
     threads: int = 0,
@@ -106,7 +132,7 @@ def render(
 ) -> Rendering:
     """Renders a light field into memory.
 
-    scene: a `Scene`, or the path of a glTF file.
+    scene: a `Scene`, or the path of a glTF file. pose: where the camera stands, `holo.Pose(eye=, target=)`.
     progress: True for a bar of tqdm, or a function of (done, total). Ctrl-C stops the render.
     backend: "auto", "embree" or "bvh". threads: 0 for one per core.
 
@@ -134,7 +160,7 @@ def render(
     """
     _refuse(settings, ("write", "bit_depth", "mat_order", "sensor_model", "iso", "exposure", "tools"), "render_to")
     with _bar(progress) as report:
-        result = _holo.render(as_scene(scene)._as_item(), None, texts_of(settings), preset, (backend, threads), report)
+        result = _holo.render(as_scene(scene)._as_item(), None, texts_of(_placed(pose, settings)), preset, (backend, threads), report)
     tell(result["diagnostics"])
     central = result["central"]
     light_field = None
@@ -165,6 +191,7 @@ def render_to(
     transforms: str | os.PathLike | None = None,
     transforms_up: str = "z",
     preset: str | None = None,
+    pose: Pose | None = None,
     shard: str | None = None,
     overwrite: bool = False,
     checkpoint: float = 30.0,
@@ -204,7 +231,7 @@ def render_to(
     }
     with _bar(progress) as report:
         reports, kept, files, lines = _holo.render_folder(
-            as_scene(scene)._as_item(), texts_of(settings), (backend, threads), request, report
+            as_scene(scene)._as_item(), texts_of(_placed(pose, settings)), (backend, threads), request, report
         )
     tell(lines)
     reports = [json.loads(report) for report in reports]
@@ -218,6 +245,7 @@ def render_raw(
     scene: Scene | str | os.PathLike,
     camera: PlenopticCamera | str,
     *,
+    pose: Pose | None = None,
     progress: bool | Progress = False,
     backend: str = "auto",
     threads: int = 0,
@@ -234,7 +262,7 @@ def render_raw(
     rig = ("views", "lenses", "sensor", "baseline_m", "f_number", "focus_m", "disparity", "focal_mm", "sensor_mm")
     _refuse(settings, rig, "PlenopticCamera.adjusted")
     with _bar(progress) as report:
-        result = _holo.render(as_scene(scene)._as_item(), camera, texts_of(settings), preset, (backend, threads), report)
+        result = _holo.render(as_scene(scene)._as_item(), camera, texts_of(_placed(pose, settings)), preset, (backend, threads), report)
     tell(result["diagnostics"])
     color, error = result["color"], result["error"]
     return RawRendering(

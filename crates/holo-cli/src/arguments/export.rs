@@ -1,0 +1,35 @@
+//! The arguments of `holo export`.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
+use holo_core::GridSize;
+use holo_dataset::{EXPORT_TARGETS, ExportTarget};
+
+#[derive(Args, Debug)]
+pub struct ExportOptions {
+    /// A dataset of `holo dataset`, or a folder or file with one light field.
+    pub input: PathBuf,
+    /// What reads the files.
+    #[arg(long = "for", value_name = "NAME", value_parser = targets())]
+    pub target: &'static ExportTarget,
+    /// Folder for the files; it must be empty or missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Views of the light fields, columns x rows, of a dataset that has several numbers of them.
+    #[arg(long, value_name = "SxT", value_parser = GridSize::from_str)]
+    pub views: Option<GridSize>,
+    /// Group of the scenes, a folder that some readers expect [default: that of the readers' own examples].
+    #[arg(long, value_name = "NAME")]
+    pub group: Option<String>,
+}
+
+/// A parser of the names of targets.
+fn targets() -> ValueParser {
+    let values: Vec<PossibleValue> =
+        EXPORT_TARGETS.iter().map(|target| PossibleValue::new(target.name).help(target.help)).collect();
+    let parser = PossibleValuesParser::new(values);
+    ValueParser::new(parser.try_map(|name| ExportTarget::by_name(&name).ok_or("there is no such target")))
+}

@@ -1,0 +1,16 @@
+//! `holo export`: light fields as the files that programs of others read.
+
+use holo_dataset::ExportJob;
+
+use crate::arguments::ExportOptions;
+use crate::console::{say, say_unless};
+use crate::failure::Failure;
+use crate::interrupt;
+
+pub fn run(options: &ExportOptions) -> Result<(), Failure> {
+    let job = ExportJob::new(&options.input, options.target).views(options.views).group(options.group.clone());
+    let exported = job.run(&options.out, interrupt::rollback(), &say_unless(false))?;
+    let (scenes, files) = (exported.scenes, exported.files.len());
+    say!("wrote {files} files of {scenes} light fields for {} to {}", options.target.name, options.out.display());
+    Ok(())
+}

@@ -1,0 +1,151 @@
+//! Exports: light fields as the files that programs of others read. A target is one file, and says what it needs.
+//!
+//! Conventions are those of each program's own loader. What a target writes never depends on the reader knowing anything of
+//! this project: sizes, ranges and orders are those that the loader expects.
+//!
+//! **May import:** output, watch.
+
+mod basiclfsr;
+mod hci;
+mod jpeg_pleno;
+mod npy;
+mod source;
+
+use std::path::PathBuf;
+
+use holo_core::GridSize;
+
+use self::source::{LoadedField, sources};
+use crate::Error;
+use crate::output::{OutputFolder, Rollback};
+use crate::watch::{About, Diagnostics};
+
+/// A program, or a family of programs, that light fields are written for.
+#[derive(Clone, Copy, Debug)]
+pub struct ExportTarget {
+    /// The name.
+    pub name: &'static str,
+    /// What reads the files.
+    pub help: &'static str,
+    /// How its reader is called, for the `README.txt` of an export.
+    usage: &'static str,
+    write: fn(&mut OutputFolder, &LoadedField, &ExportJob) -> Result<(), Error>,
+    /// A warning about a whole export.
+    check: fn(&[LoadedNote]) -> Option<String>,
+}
+
+/// What a warning about a whole export depends on: the pixels of a view.
+type LoadedNote = GridSize;
+
+/// All targets.
+pub const EXPORT_TARGETS: &[ExportTarget] = &[hci::TARGET, basiclfsr::TARGET, jpeg_pleno::TARGET, npy::TARGET];
+
+impl ExportTarget {
+    /// Returns the target of a name; `None` for an unknown one.
+    #[must_use]
+    pub fn by_name(name: &str) -> Option<&'static Self> {
+        EXPORT_TARGETS.iter().find(|target| target.name == name)
+    }
+}
+
+/// An export of a light field, or of those of a dataset.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ExportJob {
+    /// A dataset, a folder or a file with a light field.
+    pub input: PathBuf,
+    /// What it is written for.
+    pub target: &'static ExportTarget,
+    /// The views of the light fields of a dataset that has several numbers of them.
+    pub views: Option<GridSize>,
+    /// The group of the scenes, a folder that some readers expect.
+    pub group: Option<String>,
+}
+
+/// What was written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Exported {
+    /// The number of light fields.
+    pub scenes: usize,
+    /// The names of all files, relative to the folder of the export.
+    pub files: Vec<String>,
+}
+
+impl ExportJob {
+    /// Creates the export of `input` for `target`.
+    #[must_use]
+    pub fn new(input: impl Into<PathBuf>, target: &'static ExportTarget) -> Self {
+        Self { input: input.into(), target, views: None, group: None }
+    }
+
+    /// Sets the views.
+    #[must_use]
+    pub fn views(self, views: impl Into<Option<GridSize>>) -> Self {
+        Self { views: views.into(), ..self }
+    }
+
+    /// Sets the group.
+    #[must_use]
+    pub fn group(self, group: impl Into<Option<String>>) -> Self {
+        Self { group: group.into(), ..self }
+    }
+
+    /// Writes the export into the folder `out`, which must be empty or missing.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`] if the target needs what the light fields do not have, the dataset has several numbers of
+    /// views and none is chosen, or `out` has files; [`Error::Io`] if files cannot be read or written. Nothing stays then.
+    pub fn run(
+        &self,
+        out: impl Into<PathBuf>,
+        rollback: &Rollback,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<Exported, Error> {
+        let out = out.into();
+        if let Some(group) = &self.group
+            && (group.is_empty() || !group.chars().all(|c| c.is_alphanumeric() || "-_ ".contains(c)))
+        {
+            return Err(Error::BadRequest(format!("`group={}` is no name of a folder", holo_core::shown(group))));
+        }
+        let sources = sources(&self.input, self.views)?;
+        if std::fs::read_dir(&out).is_ok_and(|mut entries| entries.next().is_some()) {
+            return Err(Error::BadRequest(format!("{} has files already; give an empty `out`", out.display())));
+        }
+        let mut folder = OutputFolder::create_plain(&out, rollback)?;
+        let mut sizes = Vec::new();
+        for source in &sources {
+            let loaded = source.load()?;
+            sizes.push(loaded.field.shape().lenses());
+            (self.target.write)(&mut folder, &loaded, self)?;
+        }
+        if let Some(warning) = (self.target.check)(&sizes) {
+            diagnostics.report(About::Scene, &format!("warning: {warning}"));
+        }
+        let text = format!(
+            "{} light fields for {}: {}\n{}\nWritten by holo {} from {}.\n",
+            sources.len(),
+            self.target.name,
+            self.target.help,
+            self.target.usage,
+            env!("CARGO_PKG_VERSION"),
+            holo_core::visible(&self.input.file_name().unwrap_or_default().to_string_lossy()),
+        );
+        folder.add(README, holo_io::write_file(folder.file(README), text.as_bytes())?);
+        let files = folder.names();
+        folder.keep();
+        Ok(Exported { scenes: sources.len(), files })
+    }
+
+    /// The folder of a scene in its group.
+    fn scene_folder(&self, default_group: &str, scene: &str) -> String {
+        format!("{}/{scene}", self.group.as_deref().unwrap_or(default_group))
+    }
+}
+
+/// What an export says of itself.
+const README: &str = "README.txt";
+
+/// No warning.
+fn unchecked(_: &[LoadedNote]) -> Option<String> {
+    None
+}

@@ -1,0 +1,129 @@
+//! The light fields of an export: those of a dataset, or one.
+
+use std::path::{Path, PathBuf};
+
+use holo_core::Rig;
+use holo_core::{DynLightField, GridSize, LightFieldOwned, Sample, for_each_sample};
+use holo_io::dataset::{DatasetCamera, DatasetIndex, HIT_MASK_PNG, MANIFEST_JSON};
+use holo_io::{LightFieldReader, Limits, ReadOptions};
+use holo_render::exposure;
+use ndarray::{Array2, Axis};
+
+use crate::Error;
+use crate::describe::is_dataset;
+
+/// A light field that is not read yet.
+pub(super) struct SourceField {
+    name: String,
+    path: PathBuf,
+}
+
+/// A light field with its truth.
+pub(super) struct LoadedField {
+    /// The name of its scene.
+    pub name: String,
+    /// 8-bit codes on the sRGB curve, 3 channels.
+    pub field: LightFieldOwned<u8>,
+    /// The rig, if it is known.
+    pub rig: Option<Rig>,
+    /// Disparity of the central view, px; depth, m.
+    pub disparity_px: Option<Array2<f32>>,
+    pub depth_m: Option<Array2<f32>>,
+    /// What the central view hits.
+    pub hits: Option<Array2<bool>>,
+    path: PathBuf,
+}
+
+/// The light fields of a dataset with these views, or that of a folder or file.
+pub(super) fn sources(input: &Path, views: Option<GridSize>) -> Result<Vec<SourceField>, Error> {
+    if !is_dataset(input) {
+        let path = std::path::absolute(input).unwrap_or_else(|_| input.to_owned());
+        let stem = if path.is_dir() { path.file_name() } else { path.file_stem() };
+        let name = stem.map_or_else(|| "scene".into(), |name| name.to_string_lossy().into_owned());
+        return Ok(vec![SourceField { name: plain(&name), path: input.to_owned() }]);
+    }
+    let index = DatasetIndex::read(input)?;
+    let counts: Vec<GridSize> = index
+        .cameras
+        .iter()
+        .filter_map(|camera| match camera {
+            DatasetCamera::Rig(shape) => Some(shape.views()),
+            _ => None,
+        })
+        .collect();
+    let wanted = match (views, &counts[..]) {
+        (Some(views), _) if counts.contains(&views) => views,
+        (None, [views]) => *views,
+        _ => {
+            let all: Vec<String> = counts.iter().map(ToString::to_string).collect();
+            return Err(Error::BadRequest(match all.is_empty() {
+                true => format!("{}: the dataset has no light fields of a rig", input.display()),
+                false => format!("choose `views` among those of the dataset: {}", all.join(", ")),
+            }));
+        }
+    };
+    let mut out = Vec::new();
+    for scene in &index.scenes {
+        for camera in &index.cameras {
+            if !matches!(camera, DatasetCamera::Rig(shape) if shape.views() == wanted) {
+                continue;
+            }
+            let path = input.join(camera.folder(&scene.name)?);
+            if path.join(MANIFEST_JSON).is_file() {
+                out.push(SourceField { name: plain(&scene.name), path });
+            }
+        }
+    }
+    match out.is_empty() {
+        true => Err(Error::Failed(format!("{}: no light field is finished; see `holo verify`", input.display()))),
+        false => Ok(out),
+    }
+}
+
+impl SourceField {
+    /// Reads the samples and the truth.
+    pub fn load(&self) -> Result<LoadedField, Error> {
+        let reader = LightFieldReader::open(&self.path, &ReadOptions::default())?;
+        let (disparity_px, depth_m) = (reader.central_disparity_px()?, reader.central_depth_m()?);
+        let mask = self.path.join(HIT_MASK_PNG);
+        let hits = match mask.is_file() {
+            true => {
+                let image = holo_io::read_png(&mask, &Limits::default())?;
+                Some(for_each_sample!(DynImage, image, image => {
+                    image.index_axis(Axis(2), 0).mapv(|value| Sample::to_f64(value) > 0.0)
+                }))
+            }
+            // The depth of what is not hit is infinite, its disparity is not.
+            false => depth_m.as_ref().map(|depth| depth.mapv(f32::is_finite)),
+        };
+        let read = reader.read()?;
+        let rig = read.rig;
+        let field = codes(read.light_field.without_alpha()?)?;
+        Ok(LoadedField { name: self.name.clone(), field, rig, disparity_px, depth_m, hits, path: self.path.clone() })
+    }
+}
+
+impl LoadedField {
+    /// The error that this light field lacks something.
+    pub fn lacks(&self, what: &str, advice: &str) -> Error {
+        Error::BadRequest(format!("{}: {what}; {advice}", self.path.display()))
+    }
+}
+
+/// 8-bit codes: those that are there, 16 bits rounded, radiance at automatic exposure.
+fn codes(field: DynLightField) -> Result<LightFieldOwned<u8>, Error> {
+    Ok(match field {
+        DynLightField::U8(field) => field,
+        DynLightField::U16(field) => field.map(|&code| ((u32::from(code) * 255 + 32767) / 65535) as u8)?,
+        field => {
+            let field = field.into_f32()?;
+            exposure::encode_8bit(&field, exposure::automatic_exposure(&field))?
+        }
+    })
+}
+
+/// A name that is one folder on every system.
+fn plain(name: &str) -> String {
+    let name: String = name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+    if name.starts_with('.') || name.is_empty() { format!("scene{name}") } else { name }
+}
