@@ -96,9 +96,9 @@ impl Reader {
 
 impl Reader {
     fn view(&self, t: usize, s: usize) -> Result<DynImage, Failure> {
-        #[cfg(feature = "hdf5")]
-        if self.reader.format() == holo_io::LightFieldFormat::Hdf5 {
-            return Ok(holo_io::Hdf5LightField::open(&self.path, &self.options.limits)?.read_view(t, s)?);
+        // Where a view can be read alone.
+        if let Some(view) = self.reader.read_view(t, s)? {
+            return Ok(view);
         }
         let field = LightFieldReader::open(&self.path, &self.options)?.read()?.light_field;
         Ok(for_each_sample!(DynLightField, &field, field => field.view(t, s)?.to_owned().into()))
