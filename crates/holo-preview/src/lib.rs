@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The page holds all of the state: every message has the whole of it, as settings of [`holo_dataset`] in text. The newest
-//! message wins; what is drawn for an older one ends. The [`studio`] keeps one world as long as the scene stays the same.
+//! message wins; what is drawn for an older one ends. It keeps one world as long as the scene stays the same.
 //!
 //! # Security
 //! The server listens on the computer itself unless another address is given. Requests need the token of the

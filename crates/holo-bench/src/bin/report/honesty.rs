@@ -5,7 +5,7 @@ use holo_core::ViewIndex;
 use holo_render::{GroundTruth, Integrator, Layer, LayerSet, Renderer, Request, Views};
 use holo_scene::Scene;
 
-/// Where errors are compared, in the order of [`Pixel::masks`].
+/// Where errors are compared, in the order of the masks of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mask {
     /// All pixels.
