@@ -86,8 +86,8 @@ impl<T: Sample> Hdf5Writer<T> {
         options: &Hdf5Options,
     ) -> Result<Self, Error> {
         let path = destination.path();
-        if options.gzip_level > 9 {
-            return Err(Error::bad_input(path, format!("gzip has the levels 0 to 9, not {}", options.gzip_level)));
+        if let Some(level) = options.gzip_level.filter(|level| *level > 9) {
+            return Err(Error::bad_input(path, format!("gzip has the levels 0 to 9, not {level}")));
         }
         let target = AtomicPath::create(destination)?;
         let failed = |error| Failure { path, is_writing: true }.error(error);
@@ -239,8 +239,9 @@ fn create_dataset<T: Number>(
         // No clock in the file, and no fill value, because everything is written.
         .obj_track_times(false)
         .fill_time(::hdf5::dataset::FillTime::Never);
-    if options.gzip_level > 0 {
-        builder = builder.shuffle().deflate(options.gzip_level);
+    let level = options.gzip_level_of(shape);
+    if level > 0 {
+        builder = builder.shuffle().deflate(level);
     }
     let dataset = builder.create(name)?;
     attributes::write_axes(&dataset, axes, units)?;
