@@ -54,7 +54,7 @@ impl ExportTarget {
 pub struct ExportJob {
     /// A dataset, a folder or a file with a light field.
     pub input: PathBuf,
-    /// What it is written for.
+    /// The program that reads the files.
     pub target: &'static ExportTarget,
     /// The views of the light fields of a dataset that has several numbers of them.
     pub views: Option<GridSize>,

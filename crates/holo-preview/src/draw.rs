@@ -17,7 +17,7 @@ use crate::inbox::Newest;
 use crate::job::{self, Ended};
 use crate::protocol::{Event, Look, Reply};
 use crate::raw_part::{RawPart, Strip};
-use crate::{estimate, picture};
+use crate::{encode, estimate};
 
 /// The largest image, px.
 const MAX_SIZE: [usize; 2] = [1600, 1200];
@@ -87,7 +87,7 @@ impl Drawing<'_> {
         prepared: &Prepared,
         start: Instant,
     ) -> Result<(), Ended> {
-        let codes = picture::codes(color, exposure_ev)?;
+        let codes = encode::codes(color, exposure_ev)?;
         let [right, up, back] = prepared.pose.columns;
         let fov_deg = prepared.rig().map(|rig| {
             let half = rig.slope_x(rig.shape().lenses().columns as f64) - rig.slope_x(0.0);
@@ -108,7 +108,7 @@ impl Drawing<'_> {
             "back": back,
             "fov_deg": fov_deg,
         });
-        self.send(header, picture::jpeg(codes.view())?);
+        self.send(header, encode::jpeg(codes.view())?);
         Ok(())
     }
 
@@ -122,7 +122,7 @@ impl Drawing<'_> {
         let mut sum = pass(0)?;
         for k in 1..=MAX_PASSES {
             let is_last = start.elapsed() > REFINE_FOR || k == MAX_PASSES;
-            // Each picture has twice the samples of the one before.
+            // Each image has twice the samples of the one before.
             if k.is_power_of_two() || is_last {
                 let mean = sum.map(|value| value / k as f32).map_err(|why| why.to_string())?;
                 self.send_view(&mean, (exposure_ev, k * PASS_SAMPLES), prepared, start)?;
@@ -202,7 +202,7 @@ impl Drawing<'_> {
         }
         let color = color(prepared, &request.rows(Some(part.rows.clone())), self.newest)?;
         let seconds = start.elapsed().as_secs_f64();
-        let codes = picture::codes(&color, exposure_ev)?;
+        let codes = encode::codes(&color, exposure_ev)?;
         let samples = (codes.dim().0 * codes.dim().1) as f64;
         let shown = codes.slice(s![.., part.columns.clone(), ..]);
         let header = json!({
@@ -216,7 +216,7 @@ impl Drawing<'_> {
             "views": prepared.rig().map(|rig| [rig.shape().views().columns, rig.shape().views().rows]),
             "raw": self.raw_size(prepared),
         });
-        self.send(header, picture::png(shown)?);
+        self.send(header, encode::png(shown)?);
         self.white(part.rows, part.columns)?;
         Ok(Strip { samples, seconds })
     }
@@ -231,7 +231,7 @@ impl Drawing<'_> {
         let codes = part.mapv(|value| (value / largest * 255.0).round() as u8).insert_axis(Axis(2));
         let lit_share = lit as f64 / white.len() as f64;
         let header = json!({"kind": "white", "number": self.look.number, "lit_share": lit_share});
-        self.send(header, picture::png(codes.view())?);
+        self.send(header, encode::png(codes.view())?);
         Ok(())
     }
 
@@ -249,7 +249,7 @@ impl Drawing<'_> {
     }
 }
 
-/// A picture of the central view of a job, small.
+/// The central view of a job, small, as JPEG.
 pub(crate) fn thumbnail(job: &RenderJob, size: [usize; 2], newest: Newest) -> Result<Vec<u8>, Ended> {
     let stage = job.stage(&())?;
     let world = stage.world(&job.source, &job.settings.light.sky, &job.engine)?;
@@ -257,7 +257,7 @@ pub(crate) fn thumbnail(job: &RenderJob, size: [usize; 2], newest: Newest) -> Re
     let prepared = view.prepare(&stage, &world, None, &())?;
     let request = view_request(&view, &prepared, false)?.samples(PASS_SAMPLES);
     let color = color(&prepared, &request, newest)?;
-    Ok(picture::jpeg(picture::codes(&color, exposure::automatic_exposure(&color))?.view())?)
+    Ok(encode::jpeg(encode::codes(&color, exposure::automatic_exposure(&color))?.view())?)
 }
 
 /// Renders color.

@@ -1,4 +1,4 @@
-//! The newest wish of a page, and what was dropped on it. Older wishes are forgotten.
+//! The newest look of a page, and the scene that was dropped on it. Older looks are forgotten.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -24,12 +24,12 @@ struct Waiting {
     closed: bool,
 }
 
-/// The wishes of one page.
+/// What one page has sent.
 #[derive(Debug, Default)]
 pub(crate) struct Inbox {
     waiting: Mutex<Waiting>,
     changed: Condvar,
-    /// Counts what arrives, so that work for older wishes ends.
+    /// Counts what arrives, so that work for older looks ends.
     version: AtomicU64,
 }
 

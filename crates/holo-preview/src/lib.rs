@@ -1,7 +1,7 @@
 //! Shows a scene live in a browser while its holoscopic camera is set up.
 //!
 //! ```text
-//! page (state) -> socket -> studio (scene, world, renderer) -> pictures -> socket -> page
+//! page (state) -> socket -> studio (scene, world, renderer) -> images -> socket -> page
 //! ```
 //!
 //! The page holds all of the state: every message has the whole of it, as settings of [`holo_dataset`] in text. The newest
@@ -21,10 +21,10 @@
 struct Readme;
 
 mod draw;
+mod encode;
 mod estimate;
 mod inbox;
 mod job;
-mod picture;
 mod protocol;
 mod raw_part;
 mod render;

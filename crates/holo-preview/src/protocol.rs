@@ -11,7 +11,7 @@ use serde_json::Value;
 /// A message of the page.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub(crate) enum Wish {
+pub(crate) enum PageMessage {
     /// Show this.
     Look(Look),
     /// Render this into files.
@@ -90,10 +90,10 @@ mod tests {
     fn messages_of_the_page_are_read() {
         let text =
             r#"{"kind":"look","number":3,"scene":"garden","settings":{"views":"9"},"size":[48,32],"moving":true}"#;
-        let Ok(Wish::Look(look)) = serde_json::from_str(text) else { panic!("no look") };
+        let Ok(PageMessage::Look(look)) = serde_json::from_str(text) else { panic!("no look") };
         assert_eq!((look.number, look.size, look.moving, look.lens), (3, [48, 32], true, None));
         assert_eq!(look.settings["views"], "9");
-        assert!(serde_json::from_str::<Wish>(r#"{"kind":"read","path":"/etc/passwd"}"#).is_err());
+        assert!(serde_json::from_str::<PageMessage>(r#"{"kind":"read","path":"/etc/passwd"}"#).is_err());
     }
 
     #[test]

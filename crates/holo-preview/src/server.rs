@@ -45,7 +45,7 @@ const SCRIPTS: [&str; 6] = [
     include_str!("page/connection.js"),
     include_str!("page/state.js"),
     include_str!("page/orbit.js"),
-    include_str!("page/pictures.js"),
+    include_str!("page/images.js"),
     include_str!("page/controls.js"),
     include_str!("page/main.js"),
 ];

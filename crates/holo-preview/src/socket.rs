@@ -10,7 +10,7 @@ use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
 use crate::inbox::Inbox;
-use crate::protocol::{Event, Reply, Wish};
+use crate::protocol::{Event, PageMessage, Reply};
 use crate::render::{Renders, Shared};
 use crate::studio::Studio;
 
@@ -121,11 +121,11 @@ impl<'a> Page<'a> {
     {
         match message {
             Message::Text(text) => match serde_json::from_str(&text) {
-                Ok(Wish::Look(look)) => self.inbox.look(look),
-                Ok(Wish::Gallery) => self.inbox.gallery(),
-                Ok(Wish::Drop { name }) => self.dropping = Some(name),
-                Ok(Wish::Stop) => self.renders.stop(),
-                Ok(Wish::Render(look)) => {
+                Ok(PageMessage::Look(look)) => self.inbox.look(look),
+                Ok(PageMessage::Gallery) => self.inbox.gallery(),
+                Ok(PageMessage::Drop { name }) => self.dropping = Some(name),
+                Ok(PageMessage::Stop) => self.renders.stop(),
+                Ok(PageMessage::Render(look)) => {
                     let (shared, renders, inbox) = (self.shared, self.renders, self.inbox);
                     let events = self.events.clone();
                     scope.spawn(move || renders.run(&look, shared, inbox, &events));

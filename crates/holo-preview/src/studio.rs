@@ -14,7 +14,7 @@ use crate::inbox::{Inbox, Newest, Task};
 use crate::job::{self, Ended};
 use crate::protocol::{Event, Look, Reply};
 
-/// Width and height of the pictures of the gallery, px.
+/// Width and height of the images of the gallery, px.
 const THUMBNAIL: [usize; 2] = [180, 120];
 
 /// What a world depends on.
@@ -167,7 +167,7 @@ impl<'a> Studio<'a> {
                 .map_err(Ended::from)
                 .and_then(|job| draw::thumbnail(&job, THUMBNAIL, newest));
             match drawn {
-                Ok(picture) => self.send(Reply::with(json!({"kind": "thumbnail", "name": name}), picture)),
+                Ok(image) => self.send(Reply::with(json!({"kind": "thumbnail", "name": name}), image)),
                 Err(Ended::Failed(why)) => self.tell(0, &why),
                 Err(Ended::Newer) => return,
             }

@@ -47,7 +47,7 @@ fn the_address_is_printed_and_wrong_scenes_are_refused() {
     assert!(!bench.path("holo-preview").exists());
 }
 
-/// Set `HOLO_SHOTS` to a folder to keep pictures of the page.
+/// Set `HOLO_SHOTS` to a folder to keep screenshots of the page.
 #[test]
 fn a_browser_uses_the_page() {
     let bench = Bench::new();

@@ -162,7 +162,7 @@ fn the_mask_says_where_the_backdrop_is() {
     assert_eq!((compared(&masked), compared(&all)), (mask.len() - misses, mask.len()));
 }
 
-/// What is wrong with the views is said before they are rendered, and by `holo info` too.
+/// `holo render` warns before it renders, and `holo info` shows the same warning.
 #[test]
 fn views_that_hardly_differ_are_found_before_they_are_rendered() {
     let bench = bench();

@@ -38,7 +38,7 @@ class Check:
         raise AssertionError(f"{what}: not within {PATIENCE_S} s: {status}")
 
     def settle(self, what):
-        """Waits until what was asked for last stands still."""
+        """Waits until the newest look stands still."""
         self.wait("holoPreview.look.settled === holoPreview.look.number && !holoPreview.look.moving", what)
 
     def shot(self, name):
@@ -155,7 +155,7 @@ def cameras(check):
 
 def gallery(check):
     check.run("document.getElementById('gallery-button').click()")
-    check.wait("document.querySelectorAll('#gallery img').length >= 15", "pictures of the gallery")
+    check.wait("document.querySelectorAll('#gallery img').length >= 15", "images of the gallery")
     check.shot("gallery")
     check.run("document.querySelector('[data-scene=chess]').click()")
     check.settle("chess")

@@ -160,24 +160,26 @@ impl Setup<'_> {
             Some(earlier) if earlier.pose == pose => earlier.renderer,
             _ => world.at(&pose).map_err(|e| self.blame(e))?,
         };
-        let camera = match placed {
-            Placed::Views(framed) => Optics::Rig(self.focused(&renderer, &framed)?),
-            Placed::Raw { camera, .. } => *camera,
-        };
+        let camera = self.optics(&renderer, placed)?;
         Ok(Prepared { camera, pose, name, renderer, build_seconds: start.elapsed().as_secs_f64() })
     }
 
-    /// Prepares the same camera for images that are looked at while it moves: `still` stands in the world's origin.
+    /// Prepares the same camera for previews of a moving camera. `still` is a renderer at the origin of the world.
     pub fn prepare_moved(&self, stage: &Stage, still: &Renderer) -> Result<Prepared, Error> {
         let start = Instant::now();
         let placed = self.place(stage, 0, &())?;
         let (pose, name) = (placed.pose(), placed.name());
         let renderer = still.moved(&pose).map_err(|e| self.blame(e))?;
-        let camera = match placed {
-            Placed::Views(framed) => Optics::Rig(self.focused(&renderer, &framed)?),
-            Placed::Raw { camera, .. } => *camera,
-        };
+        let camera = self.optics(&renderer, placed)?;
         Ok(Prepared { camera, pose, name, renderer, build_seconds: start.elapsed().as_secs_f64() })
+    }
+
+    /// The camera with its focus.
+    fn optics(&self, renderer: &Renderer, placed: Placed) -> Result<Optics, Error> {
+        Ok(match placed {
+            Placed::Views(framed) => Optics::Rig(self.focused(renderer, &framed)?),
+            Placed::Raw { camera, .. } => *camera,
+        })
     }
 
     fn blame(&self, error: holo_render::Error) -> Error {

@@ -46,7 +46,7 @@ image.addEventListener('pointermove', (event) => {
     return;
   }
   if (drag.way < CLICK_PIXELS) return;
-  const width = Math.max(pictures.frame.width, 1);
+  const width = Math.max(shown.frame.width, 1);
   if (drag.slides) pan(x / width, y / width);
   else orbit((x / width) * Math.PI, (y / width) * Math.PI);
 });
@@ -155,9 +155,9 @@ const fillGallery = (scenes) => {
 
 on('thumbnail', (header, bytes) => {
   const button = document.querySelector(`[data-scene="${CSS.escape(header.name)}"]`);
-  const picture = make('img', { alt: '' });
-  picture.src = URL.createObjectURL(new Blob([bytes], { type: 'image/jpeg' }));
-  button?.firstChild.replaceWith(picture);
+  const thumbnail = make('img', { alt: '' });
+  thumbnail.src = URL.createObjectURL(new Blob([bytes], { type: 'image/jpeg' }));
+  button?.firstChild.replaceWith(thumbnail);
 });
 
 document.addEventListener('dragover', (event) => event.preventDefault());

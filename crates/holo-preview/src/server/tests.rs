@@ -164,8 +164,8 @@ fn a_page_sees_a_scene_and_renders_it() {
         let views = of("view");
         let (first, last) = (views[0], views[views.len() - 1]);
         // 24 x 16 pixels fit into 96 x 96 as 96 x 64.
-        let picture = image::load_from_memory(&first.1).unwrap();
-        assert_eq!((picture.width(), picture.height()), (96, 64));
+        let decoded = image::load_from_memory(&first.1).unwrap();
+        assert_eq!((decoded.width(), decoded.height()), (96, 64));
         assert!(first.0["samples"] == 1 && last.0["samples"].as_u64().unwrap() >= 4, "{views:?}");
         let (details, depth) = of("details")[0];
         assert_eq!(details["lenses"], serde_json::json!([24, 16]));
@@ -204,17 +204,17 @@ fn a_page_sees_a_scene_and_renders_it() {
 fn wrong_messages_are_told_and_the_page_goes_on() {
     with_server(|server| {
         let mut page = open(server);
-        let asked = |number: u64, change: &dyn Fn(&mut serde_json::Value)| {
-            let mut asked = look("look", number, true);
-            change(&mut asked);
-            asked
+        let changed = |number: u64, change: &dyn Fn(&mut serde_json::Value)| {
+            let mut changed = look("look", number, true);
+            change(&mut changed);
+            changed
         };
         for (message, words) in [
             (serde_json::json!({"kind": "open", "path": "/etc/passwd"}), "no message"),
-            (asked(1, &|look| look["scene"] = "../../etc/passwd".into()), "no scene"),
-            (asked(2, &|look| look["camera"] = "/etc/passwd".into()), "no camera"),
-            (asked(3, &|look| look["settings"]["sky"] = "/etc/secret.exr".into()), "environment map"),
-            (asked(4, &|look| look["settings"]["views"] = "0".into()), "views"),
+            (changed(1, &|look| look["scene"] = "../../etc/passwd".into()), "no scene"),
+            (changed(2, &|look| look["camera"] = "/etc/passwd".into()), "no camera"),
+            (changed(3, &|look| look["settings"]["sky"] = "/etc/secret.exr".into()), "environment map"),
+            (changed(4, &|look| look["settings"]["views"] = "0".into()), "views"),
             (look("render", 5, false), "may not write"),
         ] {
             send(&mut page, &message);
@@ -231,12 +231,12 @@ fn wrong_messages_are_told_and_the_page_goes_on() {
         // A scene that is none, then one that is dropped.
         send(&mut page, &serde_json::json!({"kind": "drop", "name": "bad.glb"}));
         page.send(tungstenite::Message::binary(vec![1, 2, 3])).unwrap();
-        send(&mut page, &asked(7, &|look| look["scene"] = "".into()));
+        send(&mut page, &changed(7, &|look| look["scene"] = "".into()));
         assert!(until(&mut page, "error").pop().unwrap().0["text"].as_str().unwrap().contains("bad.glb"));
         send(&mut page, &serde_json::json!({"kind": "drop", "name": "good.glb"}));
         let glb = holo_scene::gallery::to_glb("chess").unwrap().unwrap();
         page.send(tungstenite::Message::binary(glb)).unwrap();
-        send(&mut page, &asked(8, &|look| look["scene"] = "".into()));
+        send(&mut page, &changed(8, &|look| look["scene"] = "".into()));
         let messages = until(&mut page, "view");
         assert!(
             messages.iter().any(|(header, _)| header["kind"] == "scene" && header["name"] == "good"),
@@ -259,8 +259,8 @@ fn a_plenoptic_camera_shows_its_raw_and_white_image() {
         let messages = until(&mut page, "settled");
         let of = |kind: &str| messages.iter().find(|(header, _)| header["kind"] == kind).unwrap();
         for kind in ["strip", "white"] {
-            let picture = image::load_from_memory(&of(kind).1).unwrap();
-            assert_eq!((picture.width(), picture.height()), (60, 45), "{kind}");
+            let decoded = image::load_from_memory(&of(kind).1).unwrap();
+            assert_eq!((decoded.width(), decoded.height()), (60, 45), "{kind}");
         }
         let share = of("white").0["lit_share"].as_f64().unwrap();
         assert!(share > 0.4 && share <= 1.0, "{share}");

@@ -3,7 +3,7 @@
 const element = (id) => document.getElementById(id);
 const image = element('image');
 
-const pictures = { view: null, strip: null, frame: { x: 0, y: 0, width: 1, height: 1 } };
+const shown = { view: null, strip: null, frame: { x: 0, y: 0, width: 1, height: 1 } };
 
 const drawView = () => {
   const ratio = window.devicePixelRatio || 1;
@@ -16,12 +16,12 @@ const drawView = () => {
   const canvas = image.getContext('2d');
   canvas.fillStyle = '#141415';
   canvas.fillRect(0, 0, width, height);
-  const bitmap = pictures.view;
+  const bitmap = shown.view;
   if (!bitmap) return;
   const scale = Math.min(width / bitmap.width, height / bitmap.height);
   const [w, h] = [bitmap.width * scale, bitmap.height * scale];
   const frame = { x: (width - w) / 2, y: (height - h) / 2, width: w, height: h };
-  pictures.frame = { x: frame.x / ratio, y: frame.y / ratio, width: w / ratio, height: h / ratio };
+  shown.frame = { x: frame.x / ratio, y: frame.y / ratio, width: w / ratio, height: h / ratio };
   canvas.imageSmoothingQuality = look.moving ? 'low' : 'high';
   canvas.drawImage(bitmap, frame.x, frame.y, w, h);
 };
@@ -29,8 +29,8 @@ const drawView = () => {
 // The place of a pointer in the image, 0 to 1 along both axes; null beside it.
 const placeInImage = (event) => {
   const box = image.getBoundingClientRect();
-  const x = (event.clientX - box.left - pictures.frame.x) / pictures.frame.width;
-  const y = (event.clientY - box.top - pictures.frame.y) / pictures.frame.height;
+  const x = (event.clientX - box.left - shown.frame.x) / shown.frame.width;
+  const y = (event.clientY - box.top - shown.frame.y) / shown.frame.height;
   return x >= 0 && x < 1 && y >= 0 && y < 1 ? [x, y] : null;
 };
 
@@ -108,7 +108,7 @@ const drawPart = (canvas, bitmap) => {
 // One elemental image, cut out of the strip.
 const drawLens = () => {
   const { strip: header } = seen;
-  const bitmap = pictures.strip;
+  const bitmap = shown.strip;
   if (!header || !bitmap) return;
   const pitch = header.pitch_px;
   let box = null;
@@ -138,8 +138,8 @@ on('view', async (header, bytes) => {
   if (header.number < look.shown) return;
   look.shown = header.number;
   seen.view = header;
-  pictures.view?.close();
-  pictures.view = bitmap;
+  shown.view?.close();
+  shown.view = bitmap;
   counters.views += 1;
   drawView();
   const rate = header.moving ? `${header.milliseconds.toFixed(0)} ms` : `${header.samples} samples`;
@@ -149,8 +149,8 @@ on('view', async (header, bytes) => {
 on('strip', async (header, bytes) => {
   const bitmap = await bitmapOf(bytes, 'image/png');
   seen.strip = header;
-  pictures.strip?.close();
-  pictures.strip = bitmap;
+  shown.strip?.close();
+  shown.strip = bitmap;
   drawPart(element('strip'), bitmap);
   element('strip-text').textContent = header.raw
     ? `part of the raw image of ${header.raw[0]} x ${header.raw[1]} px, at its real size; 1 sample a pixel`

@@ -1,4 +1,4 @@
-//! Pictures for the page: JPEG where a picture changes many times a second, PNG where pixels count.
+//! Images for the page: JPEG where an image changes many times a second, PNG where pixels count.
 
 use holo_core::LightFieldOwned;
 use holo_render::exposure;
@@ -33,7 +33,7 @@ pub(crate) fn png(image: ArrayView3<u8>) -> Result<Vec<u8>, String> {
     Ok(out)
 }
 
-/// The samples row by row, width and height. Pictures of a page are small.
+/// The samples row by row, width and height. Images of a page are small.
 fn flat(image: ArrayView3<u8>) -> (Vec<u8>, [u32; 2]) {
     let (rows, columns, _) = image.dim();
     (image.iter().copied().collect(), [columns as u32, rows as u32])
