@@ -8,19 +8,23 @@
 mod basiclfsr;
 mod hci;
 mod jpeg_pleno;
+mod nerf;
 mod npy;
+mod plenpy;
 mod source;
+mod stanford;
+mod urbanlf;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use holo_core::GridSize;
 
-use self::source::{LoadedField, sources};
+use self::source::{LoadedField, SourceField, sources};
 use crate::Error;
-use crate::output::{OutputFolder, Rollback};
+use crate::output::{OutputFolder, Rollback, TRANSFORMS};
 use crate::watch::{About, Diagnostics};
 
-/// A program, or a family of programs, that light fields are written for.
+/// A program, or a family of programs, that light fields or images of pinhole cameras are written for.
 #[derive(Clone, Copy, Debug)]
 pub struct ExportTarget {
     /// The name.
@@ -29,16 +33,37 @@ pub struct ExportTarget {
     pub help: &'static str,
     /// How its reader is called, for the `README.txt` of an export.
     usage: &'static str,
-    write: fn(&mut OutputFolder, &LoadedField, &ExportJob) -> Result<(), Error>,
-    /// A warning about a whole export.
-    check: fn(&[LoadedNote]) -> Option<String>,
+    writer: Writer,
+}
+
+/// What a target writes.
+#[derive(Clone, Copy, Debug)]
+enum Writer {
+    /// Light fields, one after another.
+    Fields {
+        write: fn(&mut OutputFolder, &LoadedField, &ExportJob) -> Result<(), Error>,
+        /// A warning about a whole export.
+        check: fn(&[LoadedNote]) -> Option<String>,
+    },
+    /// The images of pinhole cameras, which lie in a folder; returns their number.
+    Pinholes(fn(&mut OutputFolder, &Path) -> Result<usize, Error>),
 }
 
 /// What a warning about a whole export depends on: the pixels of a view.
 type LoadedNote = GridSize;
 
 /// All targets.
-pub const EXPORT_TARGETS: &[ExportTarget] = &[hci::TARGET, basiclfsr::TARGET, jpeg_pleno::TARGET, npy::TARGET];
+pub const EXPORT_TARGETS: &[ExportTarget] = &[
+    hci::TARGET,
+    urbanlf::TARGET,
+    basiclfsr::TARGET,
+    plenpy::TARGET,
+    stanford::TARGET,
+    jpeg_pleno::TARGET,
+    npy::TARGET,
+    nerf::NERF,
+    nerf::NERFSTUDIO,
+];
 
 impl ExportTarget {
     /// Returns the target of a name; `None` for an unknown one.
@@ -48,11 +73,11 @@ impl ExportTarget {
     }
 }
 
-/// An export of a light field, or of those of a dataset.
+/// An export of a light field, of those of a dataset, or of images of pinhole cameras.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ExportJob {
-    /// A dataset, a folder or a file with a light field.
+    /// A dataset, a folder or a file with a light field, or a folder with images of pinhole cameras.
     pub input: PathBuf,
     /// The program that reads the files.
     pub target: &'static ExportTarget,
@@ -65,8 +90,8 @@ pub struct ExportJob {
 /// What was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Exported {
-    /// The number of light fields.
-    pub scenes: usize,
+    /// What was written: a number of light fields, or of images.
+    pub contents: String,
     /// The names of all files, relative to the folder of the export.
     pub files: Vec<String>,
 }
@@ -107,23 +132,32 @@ impl ExportJob {
         {
             return Err(Error::BadRequest(format!("`group={}` is no name of a folder", holo_core::shown(group))));
         }
-        let sources = sources(&self.input, self.views)?;
+        // What can be refused is, before a folder appears.
+        let sources = match self.target.writer {
+            Writer::Fields { .. } => sources(&self.input, self.views)?,
+            Writer::Pinholes(_) => self.checked_pinholes()?,
+        };
         if std::fs::read_dir(&out).is_ok_and(|mut entries| entries.next().is_some()) {
             return Err(Error::BadRequest(format!("{} has files already; give an empty `out`", out.display())));
         }
         let mut folder = OutputFolder::create_plain(&out, rollback)?;
-        let mut sizes = Vec::new();
-        for source in &sources {
-            let loaded = source.load()?;
-            sizes.push(loaded.field.shape().lenses());
-            (self.target.write)(&mut folder, &loaded, self)?;
-        }
-        if let Some(warning) = (self.target.check)(&sizes) {
-            diagnostics.report(About::Scene, &format!("warning: {warning}"));
-        }
+        let contents = match self.target.writer {
+            Writer::Fields { write, check } => {
+                let mut sizes = Vec::new();
+                for (number, source) in sources.iter().enumerate() {
+                    let loaded = source.load(number)?;
+                    sizes.push(loaded.field.shape().lenses());
+                    write(&mut folder, &loaded, self)?;
+                }
+                if let Some(warning) = check(&sizes) {
+                    diagnostics.report(About::Scene, &format!("warning: {warning}"));
+                }
+                counted(sizes.len(), "light field")
+            }
+            Writer::Pinholes(write) => counted(write(&mut folder, &self.input)?, "image"),
+        };
         let text = format!(
-            "{} light fields for {}: {}\n{}\nWritten by holo {} from {}.\n",
-            sources.len(),
+            "{contents} for {}: {}\n{}\nWritten by holo {} from {}.\n",
             self.target.name,
             self.target.help,
             self.target.usage,
@@ -133,13 +167,35 @@ impl ExportJob {
         folder.add(README, holo_io::write_file(folder.file(README), text.as_bytes())?);
         let files = folder.names();
         folder.keep();
-        Ok(Exported { scenes: sources.len(), files })
+        Ok(Exported { contents, files })
+    }
+
+    /// Checks that the input has images of pinhole cameras, and that nothing is said that they do not have.
+    fn checked_pinholes(&self) -> Result<Vec<SourceField>, Error> {
+        let name = self.target.name;
+        for (key, is_given) in [("views", self.views.is_some()), ("group", self.group.is_some())] {
+            if is_given {
+                return Err(Error::BadRequest(format!("`{key}` is of light fields, and {name} takes single images")));
+            }
+        }
+        match self.input.join(TRANSFORMS).is_file() && self.input.join("images").is_dir() {
+            true => Ok(Vec::new()),
+            false => Err(Error::BadRequest(format!(
+                "{}: {name} takes a folder with {TRANSFORMS} and images of pinhole cameras; render one with `transforms`",
+                self.input.display()
+            ))),
+        }
     }
 
     /// The folder of a scene in its group.
     fn scene_folder(&self, default_group: &str, scene: &str) -> String {
         format!("{}/{scene}", self.group.as_deref().unwrap_or(default_group))
     }
+}
+
+/// A number of things.
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// What an export says of itself.

@@ -10,7 +10,7 @@ mod stream;
 use std::io::Write;
 use std::path::Path;
 
-use holo_core::{ColorEncoding, DynImageRef, GridSize};
+use holo_core::{ColorEncoding, DynImageRef, GridSize, SampleKind};
 use ndarray::ArrayView2;
 
 use crate::error::STREAM;
@@ -106,7 +106,7 @@ pub fn encode_png<'a>(
 ) -> Result<(), Error> {
     let image = image.into();
     let layout = encode::Layout::new(image.size(), image.channels(), image.kind(), Path::new(STREAM))?;
-    let mut encoder = Encoder::new(Vec::new(), layout, encoding, compression)?;
+    let mut encoder = Encoder::new(Vec::new(), layout, encoding, None, compression)?;
     encoder.write_rows(image)?;
     write_bytes(out, &encoder.finish()?)
 }
@@ -120,8 +120,8 @@ pub fn encode_png<'a>(
 /// # Units
 ///
 /// Pixels between adjacent views. `min_px` becomes 0 and `max_px` becomes 255, linear between and clamped outside; NaN
-/// becomes 0. If the two are equal, pixels above them become 255 and all others 0. The PNG does not contain the two
-/// numbers; the manifest of a dataset folder does.
+/// becomes 0. If the two are equal, pixels above them become 255 and all others 0. The text `Description` of the PNG says
+/// the two numbers, and so does the manifest of a dataset folder.
 ///
 /// # Errors
 ///
@@ -142,7 +142,12 @@ pub fn write_disparity_png(
     }
     let gray = disparity_px.mapv(|disparity_px| gray_level(f64::from(disparity_px), min_px, max_px));
     let gray = gray.insert_axis(ndarray::Axis(2));
-    write_png(path, gray.view(), ColorEncoding::Linear, compression)
+    let text = format!("disparity, px between adjacent views: {min_px} is 0, {max_px} is 255, linear");
+    let size = GridSize::new(gray.dim().0, gray.dim().1);
+    let layout = encode::Layout::new(size, 1, SampleKind::U8, path.path())?;
+    let mut writer = PngWriter::described(path, layout, ColorEncoding::Linear, Some(&text), compression)?;
+    writer.write_rows(gray.view())?;
+    writer.finish()
 }
 
 /// Maps `min_px..=max_px` to `0..=255`.

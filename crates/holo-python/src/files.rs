@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use holo_core::{DynImage, DynLightFieldRef, GridSize, Layout, Sample, for_each_sample};
+use holo_dataset::{Diagnostics, EXPORT_TARGETS, ExportJob, ExportTarget, Rollback};
 use holo_io::{
     ColorEncoding, Compression, ExrCompression, ExrSamples, ExrWriter, HciImage, HciTruth, LightFieldReader, Limits,
     MatOptions, MatOrder, ParametersCfg, ReadOptions,
@@ -14,6 +15,7 @@ use pyo3::prelude::*;
 use crate::arrays::{Field, Image, give, give_field, give_image};
 use crate::failure::Failure;
 use crate::options;
+use crate::render::{Told, listening};
 use crate::rig::{Rig, Size, size};
 
 /// A light field whose headers have been read, but not its samples.
@@ -103,6 +105,31 @@ impl Reader {
         let field = LightFieldReader::open(&self.path, &self.options)?.read()?.light_field;
         Ok(for_each_sample!(DynLightField, &field, field => field.view(t, s)?.to_owned().into()))
     }
+}
+
+/// Writes the light fields of a dataset, a folder or a file for another program; returns the names of the files, and
+/// diagnostics.
+#[pyfunction]
+pub fn export(
+    py: Python<'_>,
+    input: PathBuf,
+    target: &str,
+    out: PathBuf,
+    views: Option<Size>,
+    group: Option<String>,
+) -> Result<Told<Vec<String>>, Failure> {
+    let choices: Vec<(&str, &ExportTarget)> = EXPORT_TARGETS.iter().map(|target| (target.name, target)).collect();
+    let target = options::choice("target", target, &choices)?;
+    let views = views.map(|(rows, columns)| GridSize::new(rows, columns));
+    let job = ExportJob::new(input, target).views(views).group(group);
+    let run = |tell: &dyn Diagnostics| Ok(job.run(out, &Rollback::default(), tell)?.files);
+    Ok(py.detach(|| listening(run))?)
+}
+
+/// The programs that light fields are exported for: names, and what they are.
+#[pyfunction]
+pub fn export_targets() -> Vec<(&'static str, &'static str)> {
+    EXPORT_TARGETS.iter().map(|target| (target.name, target.help)).collect()
 }
 
 /// Writes a light field; the ending of the path says how.

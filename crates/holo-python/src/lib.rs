@@ -55,6 +55,8 @@ fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(images::png, module)?,
         wrap_pyfunction!(files::write_light_field, module)?,
         wrap_pyfunction!(files::write_hci, module)?,
+        wrap_pyfunction!(files::export, module)?,
+        wrap_pyfunction!(files::export_targets, module)?,
         wrap_pyfunction!(files::write_image, module)?,
         wrap_pyfunction!(files::read_image, module)?,
         wrap_pyfunction!(score::evaluate, module)?,

@@ -25,7 +25,7 @@ use crate::{options, watch};
 pub type Engine = (String, usize);
 
 /// A result, and the diagnostics on the way to it.
-type Told<T> = (T, Vec<String>);
+pub type Told<T> = (T, Vec<String>);
 
 /// Why Embree cannot be used; None if it can.
 #[pyfunction]
@@ -159,7 +159,7 @@ pub fn render_folder<'py>(
 }
 
 /// Does `work` with a receiver of diagnostics, and returns what it received.
-fn listening<T>(
+pub fn listening<T>(
     work: impl FnOnce(&dyn Diagnostics) -> Result<T, holo_dataset::Error>,
 ) -> Result<Told<T>, holo_dataset::Error> {
     let lines = RefCell::new(Vec::new());

@@ -84,6 +84,23 @@ def test_archives_are_samples_of_files_with_one_key(folder):
     assert Image.open(io.BytesIO(samples["plaster_3x3"]["el.png"])).size == size
 
 
+def test_export_is_that_of_the_command_line(folder, tmp_path):
+    assert {"hci", "npy", "nerf"} <= set(holo.export_targets())
+    files = holo.export(folder / "set", "npy", tmp_path / "npy", views=3)
+    assert tmp_path / "npy" / "plaster.npy" in files and all(file.is_file() for file in files)
+    (job,) = holo.Dataset(folder / "set", scenes=["plaster"], views=[(3, 3)])
+    exported = np.load(tmp_path / "npy" / "plaster.npy")
+    assert (exported[1, 2] == job.view(1, 2)).all()
+    assert (np.load(tmp_path / "npy" / "plaster_disparity.npy") == job.disparity).all()
+    with pytest.raises(holo.UsageError, match="9 x 9"):
+        holo.export(folder / "set", "hci", tmp_path / "hci", views=3)
+    with pytest.raises(holo.UsageError, match="views"):
+        holo.export(folder / "set", "npy", tmp_path / "two")
+    with pytest.raises(holo.UsageError, match="basiclfsr"):
+        holo.export(folder / "set", "epinet", tmp_path / "two")
+    assert not (tmp_path / "two").exists() and not (tmp_path / "hci").exists()
+
+
 def test_visibility_is_a_layer(folder):
     scene = holo.Scene.gallery("plaster")
     rendering = holo.render(scene, views=3, lenses="24x16", spp=1, layers=["visibility"])

@@ -10,7 +10,7 @@ use holo_dataset::{EXPORT_TARGETS, ExportTarget};
 
 #[derive(Args, Debug)]
 pub struct ExportOptions {
-    /// A dataset of `holo dataset`, or a folder or file with one light field.
+    /// A dataset of `holo dataset`, a folder or file with one light field, or a folder of `holo render --transforms`.
     pub input: PathBuf,
     /// What reads the files.
     #[arg(long = "for", value_name = "NAME", value_parser = targets())]

@@ -10,7 +10,7 @@ use crate::interrupt;
 pub fn run(options: &ExportOptions) -> Result<(), Failure> {
     let job = ExportJob::new(&options.input, options.target).views(options.views).group(options.group.clone());
     let exported = job.run(&options.out, interrupt::rollback(), &say_unless(false))?;
-    let (scenes, files) = (exported.scenes, exported.files.len());
-    say!("wrote {files} files of {scenes} light fields for {} to {}", options.target.name, options.out.display());
+    let (contents, files) = (exported.contents, exported.files.len());
+    say!("wrote {files} files of {contents} for {} to {}", options.target.name, options.out.display());
     Ok(())
 }

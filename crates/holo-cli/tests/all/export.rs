@@ -68,6 +68,95 @@ fn arrays_have_views_first() {
 }
 
 #[test]
+fn views_of_other_readers_have_their_names() {
+    let bench = Bench::new();
+    let field = rendered(&bench);
+    // Rows are counted from below; our own reader of these folders turns them.
+    ok(bench.run("export lf --for stanford --out gantry"));
+    let read = LightFieldReader::open(bench.path("gantry/lf"), &ReadOptions::default()).unwrap().read().unwrap();
+    assert_eq!(read.light_field, field.clone().into());
+    let rig = LightFieldReader::open(bench.path("lf"), &ReadOptions::default()).unwrap().rig().copied().unwrap();
+    let name = format!("lf/out_08_02_{:.6}_{:.6}_.png", 1e3 * rig.view_y_m(0), 1e3 * rig.view_x_m(2));
+    assert!(bench.list("gantry").contains(&name), "{name}: {:?}", bench.list("gantry"));
+
+    let said = ok(bench.run("export lf --for urbanlf --out urban"));
+    assert!(said.stderr.contains("640 x 480"), "{said:?}");
+    assert_eq!(read_u8(bench.path("urban/UrbanLF_Syn/Image1/1_9.png")), field.view(0, 8).unwrap());
+    let disparity = std::fs::read(bench.path("urban/UrbanLF_Syn/Image1/5_5_disparity.npy")).unwrap();
+    let truth = holo_io::read_pfm_gray(bench.path("lf/scene_disparity.pfm"), &Limits::default()).unwrap();
+    assert!(disparity.ends_with(&truth.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>()));
+
+    ok(bench.run("export lf --for plenpy-lf --out plenpy"));
+    let read = LightFieldReader::open(bench.path("plenpy/lf.mat"), &ReadOptions::default()).unwrap().read().unwrap();
+    assert_eq!(read.light_field, field.into());
+}
+
+/// Two of three cameras are for training; points lie where their pixels see the scene.
+#[test]
+fn pinhole_cameras_are_exported_for_radiance_fields() {
+    let bench = Bench::new();
+    let frame = |k: usize, x: f64| {
+        format!(r#"{{"file_path":"images/v{k}.png","transform_matrix":[[1,0,0,{x}],[0,1,0,0],[0,0,1,2],[0,0,0,1]]}}"#)
+    };
+    let frames: Vec<String> = (0..3).map(|k| frame(k, 0.1 * k as f64)).collect();
+    let text = format!(r#"{{"fl_x":20,"w":16,"h":12,"frames":[{}]}}"#, frames.join(","));
+    std::fs::write(bench.path("cameras.json"), text).unwrap();
+    let line = format!("render {SCENE} --transforms cameras.json --transforms-up y --out posed --spp 1 --quiet");
+    ok(bench.run(&line));
+    // Depth has the mask of what is hit beside it.
+    for k in 0..3 {
+        let depth = holo_io::read_pfm_gray(bench.path(format!("posed/depth/v{k}.pfm")), &Limits::default()).unwrap();
+        let mask = read_u8(bench.path(format!("posed/hit_mask/v{k}.png")));
+        assert!(depth.indexed_iter().all(|((v, u), z)| (mask[[v, u, 0]] == 255) == z.is_finite()));
+    }
+    ok(bench.run("export posed --for nerf --out nerf"));
+    let json = |name: &str| -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(bench.path(name)).unwrap()).unwrap()
+    };
+    let (train, test) = (json("nerf/transforms_train.json"), json("nerf/transforms_test.json"));
+    let angle = train["camera_angle_x"].as_f64().unwrap();
+    assert!(
+        (angle - 2.0 * (16.0_f64 / 40.0).atan()).abs() < 1e-12 && test["camera_angle_x"] == train["camera_angle_x"]
+    );
+    let names = |list: &serde_json::Value| -> Vec<String> {
+        list["frames"].as_array().unwrap().iter().map(|frame| frame["file_path"].as_str().unwrap().into()).collect()
+    };
+    assert_eq!(
+        (names(&train), names(&test)),
+        (vec!["./images/v1".into(), "./images/v2".into()], vec!["./images/v0".into()])
+    );
+    assert_eq!(train["frames"][1]["transform_matrix"][0], serde_json::json!([1.0, 0.0, 0.0, 0.2]));
+    assert_eq!(read_u8(bench.path("nerf/images/v2.png")), read_u8(bench.path("posed/images/v2.png")));
+    // Every point is at the depth of its pixel: seen from the first camera along -Z, at the place of the pixel.
+    let bytes = std::fs::read(bench.path("nerf/points3d.ply")).unwrap();
+    let at = bytes.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
+    let depth = holo_io::read_pfm_gray(bench.path("posed/depth/v0.pfm"), &Limits::default()).unwrap();
+    let colors = read_u8(bench.path("posed/images/v0.png"));
+    let hit = depth.indexed_iter().filter(|(_, z)| z.is_finite());
+    let mut count = 0;
+    for (((v, u), z), point) in hit.zip(bytes[at..].chunks_exact(27)) {
+        let number = |k: usize| f32::from_le_bytes(point[4 * k..4 * k + 4].try_into().unwrap());
+        let [x, y] = [(u as f32 + 0.5 - 8.0) / 20.0 * z, (6.0 - v as f32 - 0.5) / 20.0 * z];
+        assert!((number(0) - x).abs() < 1e-5 && (number(1) - y).abs() < 1e-5 && (number(2) - (2.0 - z)).abs() < 1e-5);
+        assert_eq!(point[24..27], [0, 1, 2].map(|c| colors[[v, u, c]]));
+        count += 1;
+    }
+    assert!(count > 0);
+
+    ok(bench.run("export posed --for nerfstudio --out studio"));
+    let (list, own) = (json("studio/transforms.json"), json("posed/transforms.json"));
+    assert_eq!((&list["frames"], &list["ply_file_path"]), (&own["frames"], &"points3d.ply".into()));
+    for (arguments, words) in [
+        ("export posed --for nerf --views 9 --out two", "light fields"),
+        ("export cameras.json --for nerf --out two", "transforms"),
+    ] {
+        let refused = bench.run(arguments);
+        assert!(refused.code == Some(2) && refused.stderr.contains(words), "{arguments}: {refused:?}");
+    }
+    assert!(!bench.path("two").exists());
+}
+
+#[test]
 fn datasets_are_exported_whole_and_wrong_use_is_refused() {
     let bench = Bench::new();
     let line = format!("dataset --out set --scenes plaster --glb {SCENE} --views 9,2 --sensor 144x108 --spp 1 --quiet");

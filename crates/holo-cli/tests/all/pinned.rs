@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::common::Bench;
-use holo_io::Sha256;
+use holo_io::{Limits, Sha256};
 
 /// A render: its name and its options. The scenes are files, so that no mathematics library decides their shape.
 const RENDERS: [(&str, &str); 8] = [
@@ -185,6 +185,13 @@ fn an_older_dataset_verifies_and_is_made_again() {
     let is_new = ["manifest.json", "scene_el.png", "scene_5d.mat", "scene_hit_mask.png"];
     let has_light = |name: &str| is_new.contains(&name);
     for (name, bytes) in bench.bytes("set/window/2x2").into_iter().filter(|(name, _)| !has_light(name)) {
+        if name == "scene_disparity.png" {
+            // It says its range now; its pixels are the same.
+            let [made, older] =
+                [&bytes, &before[&name]].map(|png| holo_io::decode_png(png.as_slice(), &Limits::default()).unwrap());
+            assert_eq!(made, older);
+            continue;
+        }
         assert_eq!(digest(&name, &bytes), digest(&name, &before[&name]), "{name} is other than 0.1.0 made it");
     }
     assert!(bench.bytes("set/window/2x2").keys().any(|name| !has_light(name)));

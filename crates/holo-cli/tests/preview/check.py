@@ -134,6 +134,18 @@ def sliders(check):
     assert check.setting("ground") == "true"
     check.run("document.querySelector('[data-key=ground] input').click()")
     check.settle("no ground")
+    # A color of CSS is one in linear light for the camera.
+    check.run(
+        "(() => { const p = document.querySelector('[data-key=backdrop] input[type=color]');"
+        " p.value = '#ff00bc'; p.dispatchEvent(new Event('input')); })()"
+    )
+    check.settle("a backdrop")
+    assert check.setting("backdrop") == "1,0,0.503", check.setting("backdrop")
+    check.run(
+        "(() => { const t = document.querySelector('[data-setting=backdrop]');"
+        " t.value = ''; t.dispatchEvent(new Event('change')); })()"
+    )
+    check.settle("no backdrop")
     check.shot("disparity")
 
 

@@ -100,12 +100,17 @@ pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Descr
 pub(crate) fn records(root: &Folder, index: &DatasetIndex) -> Result<Vec<Record>, Error> {
     let mut records = Vec::new();
     let mut files: Vec<&str> = Vec::new();
+    let mut all: Vec<&str> = index.scenes.iter().map(|scene| scene.sha256.as_str()).collect();
+    all.dedup();
+    let count = all.len();
     for scene in &index.scenes {
         // Poses and frames are of one file, and belong together.
         if files.last() != Some(&scene.sha256.as_str()) {
             files.push(&scene.sha256);
         }
-        let is_test = files.len().is_multiple_of(TEST_EVERY);
+        // Of few files the last is for tests, so that there are some.
+        let is_last_of_few = (2..TEST_EVERY).contains(&count) && files.len() == count;
+        let is_test = files.len().is_multiple_of(TEST_EVERY) || is_last_of_few;
         for camera in &index.cameras {
             let path = camera.folder(&scene.name)?;
             let Ok(inside) = root.sub(&inner_name(&path)?) else { continue };

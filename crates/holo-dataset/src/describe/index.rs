@@ -355,12 +355,13 @@ const FILES: [(&str, &str); 11] = [
 ];
 
 /// The same of a plenoptic camera.
-const RAW_FILES: [(&str, &str); 7] = [
+const RAW_FILES: [(&str, &str); 8] = [
     (names::RAW_EXR, "the raw image in linear light"),
     (names::RAW_PNG, "the same with 16 bits, linear"),
     ("white.exr, white.png", "the white image: light of an evenly bright scene"),
     ("centers.csv", "the centers of the micro-images"),
     ("raw_depth.pfm", "depth that a pixel sees through the middle of the lens, m, if it was requested"),
+    ("raw_hit_mask.png", "beside it: 255 where that ray hits something"),
     (names::CAMERA_TOML, "the camera, as a file of --camera-file"),
     (names::MANIFEST_JSON, "settings, versions, exposure, and the SHA-256 of every file"),
 ];

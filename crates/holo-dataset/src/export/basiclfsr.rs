@@ -6,7 +6,7 @@
 use holo_io::{MatOptions, MatOrder};
 
 use super::source::LoadedField;
-use super::{ExportJob, ExportTarget, unchecked};
+use super::{ExportJob, ExportTarget, Writer, unchecked};
 use crate::Error;
 use crate::output::OutputFolder;
 
@@ -14,8 +14,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "basiclfsr",
     help: "BasicLFSR: .mat files for super-resolution",
     usage: "Generate_Data_for_Training.py takes the folder `datasets` as --src_data_path.",
-    write,
-    check: unchecked,
+    writer: Writer::Fields { write, check: unchecked },
 };
 
 fn write(folder: &mut OutputFolder, loaded: &LoadedField, job: &ExportJob) -> Result<(), Error> {

@@ -8,7 +8,7 @@ use holo_io::{ColorEncoding, Compression, HciImage, HciTruth, ParametersCfg};
 use ndarray::Array3;
 
 use super::source::LoadedField;
-use super::{ExportJob, ExportTarget, LoadedNote};
+use super::{ExportJob, ExportTarget, LoadedNote, Writer};
 use crate::Error;
 use crate::output::OutputFolder;
 
@@ -21,8 +21,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "hci",
     help: "EPINET, LFattNet, SubFocal, OACC-Net, DistgDisp, LF2Disp: folders of the HCI benchmark",
     usage: "Readers take the folder that contains the group, `training` unless another was given, as their dataset.",
-    write,
-    check,
+    writer: Writer::Fields { write, check },
 };
 
 fn write(folder: &mut OutputFolder, loaded: &LoadedField, job: &ExportJob) -> Result<(), Error> {

@@ -2,7 +2,7 @@
 //! 000, binary PPM (P6) of 8 bits.
 
 use super::source::LoadedField;
-use super::{ExportJob, ExportTarget, unchecked};
+use super::{ExportJob, ExportTarget, Writer, unchecked};
 use crate::Error;
 use crate::output::OutputFolder;
 
@@ -13,8 +13,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "jpeg-pleno",
     help: "JPEG Pleno: coders that read TTT_SSS.ppm",
     usage: "Coders take the folder of a scene; the first number is the row of the view, the second its column.",
-    write,
-    check: unchecked,
+    writer: Writer::Fields { write, check: unchecked },
 };
 
 fn write(folder: &mut OutputFolder, loaded: &LoadedField, _: &ExportJob) -> Result<(), Error> {

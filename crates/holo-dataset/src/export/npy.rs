@@ -4,7 +4,7 @@
 //! The format of `numpy.lib.format`, version 1.0.
 
 use super::source::LoadedField;
-use super::{ExportJob, ExportTarget, unchecked};
+use super::{ExportJob, ExportTarget, Writer, unchecked};
 use crate::Error;
 use crate::output::OutputFolder;
 
@@ -12,21 +12,21 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "npy",
     help: "numpy: one array a scene, views first",
     usage: "numpy.load(\"SCENE.npy\") has the axes (view row, view column, row, column, channel).",
-    write,
-    check: unchecked,
+    writer: Writer::Fields { write, check: unchecked },
 };
+
+/// Little-endian samples of 32 bits.
+pub(super) const FLOAT: &str = "<f4";
 
 fn write(folder: &mut OutputFolder, loaded: &LoadedField, _: &ExportJob) -> Result<(), Error> {
     let samples = loaded.field.samples();
     // From (v, u, t, s, c) to (t, s, v, u, c).
     let views_first = samples.permuted_axes([2, 3, 0, 1, 4]);
-    let mut bytes = header("|u1", views_first.shape());
-    bytes.extend(views_first.iter());
+    let bytes = array("|u1", views_first.shape(), views_first.iter().copied());
     let mut files = vec![(format!("{}.npy", loaded.name), bytes)];
     if let Some(disparity) = &loaded.disparity_px {
-        let mut bytes = header("<f4", disparity.shape());
-        bytes.extend(disparity.iter().flat_map(|value| value.to_le_bytes()));
-        files.push((format!("{}_disparity.npy", loaded.name), bytes));
+        let values = disparity.iter().flat_map(|value| value.to_le_bytes());
+        files.push((format!("{}_disparity.npy", loaded.name), array(FLOAT, disparity.shape(), values)));
     }
     for (name, bytes) in files {
         let written = holo_io::write_file(folder.file(&name), &bytes)?;
@@ -35,8 +35,8 @@ fn write(folder: &mut OutputFolder, loaded: &LoadedField, _: &ExportJob) -> Resu
     Ok(())
 }
 
-/// The header of an array in C order, padded to 64 bytes.
-fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
+/// An array in C order; its header is padded to 64 bytes.
+pub(super) fn array(kind: &str, shape: &[usize], values: impl Iterator<Item = u8>) -> Vec<u8> {
     const START: &[u8] = b"\x93NUMPY\x01\x00";
     let shape: Vec<String> = shape.iter().map(ToString::to_string).collect();
     let text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({},), }}", shape.join(", "));
@@ -47,5 +47,6 @@ fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
     out.extend_from_slice(text.as_bytes());
     out.resize(START.len() + 2 + length - 1, b' ');
     out.push(b'\n');
+    out.extend(values);
     out
 }

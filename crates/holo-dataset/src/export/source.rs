@@ -22,6 +22,8 @@ pub(super) struct SourceField {
 pub(super) struct LoadedField {
     /// The name of its scene.
     pub name: String,
+    /// Its place among all light fields of an export.
+    pub number: usize,
     /// 8-bit codes on the sRGB curve, 3 channels.
     pub field: LightFieldOwned<u8>,
     /// The rig, if it is known.
@@ -82,7 +84,8 @@ pub(super) fn sources(input: &Path, views: Option<GridSize>) -> Result<Vec<Sourc
 
 impl SourceField {
     /// Reads the samples and the truth.
-    pub fn load(&self) -> Result<LoadedField, Error> {
+    /// `number` is its place among all light fields of an export.
+    pub fn load(&self, number: usize) -> Result<LoadedField, Error> {
         let reader = LightFieldReader::open(&self.path, &ReadOptions::default())?;
         let (disparity_px, depth_m) = (reader.central_disparity_px()?, reader.central_depth_m()?);
         let mask = self.path.join(HIT_MASK_PNG);
@@ -99,7 +102,16 @@ impl SourceField {
         let read = reader.read()?;
         let rig = read.rig;
         let field = codes(read.light_field.without_alpha()?)?;
-        Ok(LoadedField { name: self.name.clone(), field, rig, disparity_px, depth_m, hits, path: self.path.clone() })
+        Ok(LoadedField {
+            name: self.name.clone(),
+            number,
+            field,
+            rig,
+            disparity_px,
+            depth_m,
+            hits,
+            path: self.path.clone(),
+        })
     }
 }
 

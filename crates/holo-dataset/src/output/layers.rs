@@ -32,18 +32,26 @@ pub(crate) fn write(
         let written = holo_io::write_disparity_png(path, plane, low, high, Compression::Best)?;
         folder.add(dataset::DISPARITY_PNG, written);
     }
-    if let (true, Some((_, mask))) =
-        (wanted.hit_mask, rendered.central.iter().find(|(layer, _)| *layer == Layer::HitMask))
-    {
-        let codes = mask.mapv(|hit| if hit > 0.0 { 255_u8 } else { 0 });
-        let path = folder.file(dataset::HIT_MASK_PNG);
-        let written = holo_io::write_png(path, codes.view(), ColorEncoding::Linear, Compression::Best)?;
-        folder.add(dataset::HIT_MASK_PNG, written);
-    }
+    write_hit_mask(folder, dataset::HIT_MASK_PNG, wanted, rendered)?;
     let all = rendered.all.iter().flat_map(Layers::iter);
     for (layer, field) in all.filter(|(layer, _)| wanted.written.contains(*layer)) {
         write_all_views(folder, layer.name(), field)?;
     }
+    Ok(())
+}
+
+/// Writes the mask of what is hit, if it is wanted: 255, and 0 where depth is infinite.
+pub(crate) fn write_hit_mask(
+    folder: &mut OutputFolder,
+    name: &str,
+    wanted: &Wanted,
+    rendered: &Rendered,
+) -> Result<(), Error> {
+    let mask = rendered.central.iter().find(|(layer, _)| *layer == Layer::HitMask);
+    let Some((_, mask)) = mask.filter(|_| wanted.hit_mask) else { return Ok(()) };
+    let codes = mask.mapv(|hit| if hit > 0.0 { 255_u8 } else { 0 });
+    let written = holo_io::write_png(folder.file(name), codes.view(), ColorEncoding::Linear, Compression::Best)?;
+    folder.add(name, written);
     Ok(())
 }
 

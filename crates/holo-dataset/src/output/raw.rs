@@ -10,7 +10,7 @@ use ndarray::{Array2, Array3, Axis, Zip};
 use super::codes;
 use super::files::{Exposed, Finished};
 use super::folder::OutputFolder;
-use super::layers::{COLOR, ERROR, write_pfm};
+use super::layers::{COLOR, ERROR, write_hit_mask, write_pfm};
 use super::memory::is_room;
 use super::statistics::Statistics;
 use super::wanted::Wanted;
@@ -21,6 +21,7 @@ use crate::settings::{Exposure, Output, RawLayer, RenderSettings};
 pub(crate) const CAMERA_TOML: &str = "camera.toml";
 const RAW_EXR: &str = "raw.exr";
 const RAW_PNG: &str = "raw_linear.png";
+const RAW_HIT_MASK: &str = "raw_hit_mask.png";
 pub(crate) const CENTERS_CSV: &str = "centers.csv";
 
 /// Writes all files of the raw image of a plenoptic camera, and last the manifest.
@@ -84,6 +85,7 @@ fn write_layers(
         let name = name(layer.name());
         folder.add(name.clone(), write_pfm(folder.file(&name), image.view())?);
     }
+    write_hit_mask(folder, RAW_HIT_MASK, wanted, rendered)?;
     for &layer in &wanted.raw {
         let name = name(layer.name());
         // Ground truth alone has no statistics.

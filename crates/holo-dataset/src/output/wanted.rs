@@ -25,7 +25,7 @@ pub(crate) struct Wanted {
     default: &'static [Output],
     /// Layers to write as float maps.
     pub written: LayerSet,
-    /// Whether the mask of what is hit is written beside depth or disparity of views.
+    /// Whether the mask of what is hit is written beside depth or disparity.
     pub hit_mask: bool,
     /// Layers to render of the central view, or of the pixels of a raw image.
     pub central: LayerSet,
@@ -74,12 +74,11 @@ impl Wanted {
         raw.retain(|layer| is_raw && (named(LayerChoice::All) || named(LayerChoice::Raw(*layer))));
         let held = held(written, &output.write);
         let has_truth = [Layer::Depth, Layer::Disparity].iter().any(|layer| held.contains(*layer));
-        let hit_mask = has_truth && matches!(settings.camera, Camera::Rig(_));
-        let mask = if hit_mask { [Layer::HitMask].into() } else { LayerSet::EMPTY };
+        let mask = if has_truth { [Layer::HitMask].into() } else { LayerSet::EMPTY };
         let central = match settings.camera {
             Camera::Rig(_) if output.write.contains(&Output::Exr) => LayerSet::ALL,
             // The manifest of every light field contains the disparity range.
-            Camera::Rig(_) => held.union([Layer::Disparity].into()).union(mask),
+            Camera::Rig(_) => held.union([Layer::Disparity].into()),
             Camera::Plenoptic(_) if raw.iter().any(|layer| layer.needs_depth()) => held.union([Layer::Depth].into()),
             // One view has no disparity.
             Camera::Pinhole => held.without([Layer::Disparity].into()),
@@ -103,8 +102,8 @@ impl Wanted {
             requested: (!output.write.is_empty()).then(|| output.write.clone()),
             default: if is_raw { &Output::RAW } else { &[Output::Vpi, Output::El, Output::Mat] },
             written,
-            hit_mask,
-            central,
+            hit_mask: has_truth,
+            central: central.union(mask),
             all: if output.ground_truth == GroundTruth::All { held } else { LayerSet::EMPTY },
             raw,
             color,

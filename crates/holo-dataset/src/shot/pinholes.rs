@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `images/NAME.png` | 8 or 16 bits, sRGB, one exposure for all |
 //! | `LAYER/NAME.pfm` | a layer, as for views |
+//! | `hit_mask/NAME.png` | beside depth: 255 where something is hit |
 //! | `transforms.json` | the cameras ([`CameraArray`]), with the names of the images |
 //! | `manifest.json` | settings, exposure and digests |
 //!
@@ -14,7 +15,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use holo_io::{CameraArray, ColorEncoding, Compression, FileDigest, Manifest};
-use holo_render::{Integrator, RayCounts, Rendered, World, exposure};
+use holo_render::{Integrator, Layer, RayCounts, Rendered, World, exposure};
 
 use super::engine;
 use super::job::{RunOptions, Shot};
@@ -23,7 +24,7 @@ use super::report::{CameraReport, RenderReport, Seconds};
 use super::runner::Runner;
 use super::trace;
 use crate::Error;
-use crate::output::layers::{COLOR, file_part, write_pfm};
+use crate::output::layers::{COLOR, file_part, write_hit_mask, write_pfm};
 use crate::output::{OutputFolder, Statistics, TRANSFORMS, Wanted, exposure_ev};
 use crate::resume::checkpoint::{ImageKeeper, Keeper};
 use crate::resume::merge::{self, Label};
@@ -174,6 +175,11 @@ fn write(
     for (layer, image) in rendered.central.iter().filter(|(layer, _)| wanted.written.contains(*layer)) {
         let file = layer_file(folder, layer.name(), name)?;
         folder.add(file.clone(), write_pfm(folder.file(&file), image.view())?);
+    }
+    if wanted.hit_mask {
+        let layer = file_part(Layer::HitMask.name());
+        folder.subfolder(&layer)?;
+        write_hit_mask(folder, &format!("{layer}/{name}.png"), wanted, rendered)?;
     }
     Ok(())
 }

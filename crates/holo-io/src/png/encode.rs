@@ -163,10 +163,16 @@ pub(super) struct Encoder<W: Sink> {
 }
 
 impl<W: Sink> Encoder<W> {
-    /// Writes the header.
-    pub fn new(out: W, layout: Layout, encoding: ColorEncoding, compression: Compression) -> Result<Self, Error> {
+    /// Writes the header, and `description` as text (Latin-1) with the keyword of that name.
+    pub fn new(
+        out: W,
+        layout: Layout,
+        encoding: ColorEncoding,
+        description: Option<&str>,
+        compression: Compression,
+    ) -> Result<Self, Error> {
         let out = Arc::new(Mutex::new(out));
-        let rows = Rows::new(Shared(Arc::clone(&out)), layout, encoding, compression);
+        let rows = Rows::new(Shared(Arc::clone(&out)), layout, (encoding, description), compression);
         match rows {
             Ok(rows) => Ok(Self { rows, row_bytes: layout.row_bytes, out }),
             Err(error) => Err(write_error(&out, error)),
@@ -225,10 +231,13 @@ impl<W: Sink> Rows<W> {
     fn new(
         out: Shared<W>,
         layout: Layout,
-        encoding: ColorEncoding,
+        (encoding, description): (ColorEncoding, Option<&str>),
         compression: Compression,
     ) -> Result<Self, png::EncodingError> {
         let mut encoder = layout.encoder(out, encoding);
+        if let Some(text) = description {
+            encoder.add_text_chunk("Description".into(), text.into())?;
+        }
         Ok(match compression {
             Compression::Fast => {
                 encoder.set_compression(png::Compression::Fast);

@@ -65,8 +65,19 @@ impl PngWriter {
         compression: Compression,
     ) -> Result<Self, Error> {
         let layout = Layout::new(size, channels, kind, path.path())?;
+        Self::described(path, layout, encoding, None, compression)
+    }
+
+    /// Starts an image with a text that says what it shows.
+    pub(super) fn described(
+        path: impl Destination,
+        layout: Layout,
+        encoding: ColorEncoding,
+        description: Option<&str>,
+        compression: Compression,
+    ) -> Result<Self, Error> {
         let file = AtomicFile::create(&path as &dyn Destination)?;
-        let encoder = Encoder::new(file, layout, encoding, compression)?;
+        let encoder = Encoder::new(file, layout, encoding, description, compression)?;
         Ok(Self { path: path.path().to_owned(), encoder, layout, rows: 0, has_failed: false })
     }
 

@@ -381,6 +381,10 @@ fn disparity_becomes_gray_and_nearer_is_brighter() {
     write_disparity_png(&path, map.view(), -2.0, 2.0, Compression::Best).unwrap();
     let expected = Array3::from_shape_vec((2, 3, 1), vec![0, 128, 255, 0, 0, 255]).unwrap();
     assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(expected));
+    // The scale is in the file.
+    let bytes = std::fs::read(&path).unwrap();
+    let text = b"tEXtDescription\0disparity, px between adjacent views: -2 is 0, 2 is 255, linear";
+    assert!(bytes.windows(text.len()).any(|window| window == text));
     // A constant map is black.
     write_disparity_png(&path, Array2::zeros((2, 2)).view(), 0.0, 0.0, Compression::Fast).unwrap();
     assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(Array3::zeros((2, 2, 1))));

@@ -163,6 +163,20 @@ const lightControls = () => {
     changed(false);
   });
   row('light', 'ground', 'Ground', fields.ground);
+  fields.backdrop = field('backdrop', 'what is there');
+  const picker = make('input', { type: 'color', value: '#ffffff', 'aria-label': 'Color of the backdrop' });
+  picker.addEventListener('input', () => {
+    setSetting('backdrop', (fields.backdrop.value = linearColor(picker.value)));
+    changed(true);
+  });
+  row('light', 'backdrop', 'Backdrop', fields.backdrop, picker);
+};
+
+// Linear R,G,B of a color of CSS, #rrggbb.
+const linearColor = (text) => {
+  const channels = [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255);
+  const linear = channels.map((code) => (code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4));
+  return linear.map((value) => Number(value.toPrecision(3))).join(',');
 };
 
 const QUALITIES = {

@@ -22,6 +22,7 @@ _embree.find()
 from ._holo import PlenopticCamera, Rig, __version__  # noqa: E402
 from .dataset import Dataset, Job  # noqa: E402
 from .errors import Error, HoloWarning, OutOfMemoryError, UsageError  # noqa: E402
+from .exporting import export, export_targets  # noqa: E402
 from .images import read_image, write_image  # noqa: E402
 from .light_field import LightField, open  # noqa: E402, A004
 from .metrics import compare, evaluate  # noqa: E402
@@ -53,6 +54,8 @@ __all__ = [
     "demosaic",
     "develop",
     "evaluate",
+    "export",
+    "export_targets",
     "open",
     "optics",
     "read_image",

@@ -7,7 +7,7 @@ const state = {
   view: [...centralView],
   refocus: false,
   disparity: 0,
-  smooth: false,
+  smooth: true,
   // Position of the pointer on the image in device pixels, or null.
   pointer: null,
 };

@@ -1,4 +1,4 @@
-//! Time against noise of every integrator, backend and sampler, on four scenes of the gallery.
+//! Time against noise of every integrator, backend and sampler, on two scenes of the gallery.
 
 use holo_bench::error::{relative_squared_error, rgb, squared_difference};
 use holo_core::{GridSize, LightFieldOwned};
@@ -9,10 +9,7 @@ use crate::scenes::{FramedScene, backend_name, integrator_label, integrator_name
 use crate::table::{Seconds, Table, short, timed};
 use crate::{RunOptions, Section};
 
-const SCENES: [&str; 4] = ["garden", "plaster", "chess", "glasses"];
-
-/// The scenes in the summary.
-const SUMMARIZED: [&str; 2] = ["garden", "glasses"];
+const SCENES: [&str; 2] = ["garden", "glasses"];
 
 /// The sampler and Russian roulette; `Default` is that of a render.
 #[derive(Clone, Copy, PartialEq)]
@@ -121,8 +118,8 @@ pub fn section(options: &RunOptions) -> Section {
              {reference_samples} samples with another seed, same integrator. Relative squared error: the mean of (x - \
              r)^2 / (r^2 + 0.01 mean(r^2)) without the worst pixel of a hundred. Time x error compares settings independently of the number of samples: half of \
              it is twice as efficient. Default sampling: Owen-scrambled Sobol points, one sequence per \
-             microlens, Russian roulette. Intersections are computed in f32 and refined in f64. Between views \
-             light is shared as by default.",
+             microlens, Russian roulette. Intersections are computed in f32 and refined in f64. Nothing is shared \
+             between views.",
             lenses.columns, lenses.rows
         ),
         highlights: light.highlights,
@@ -172,7 +169,7 @@ impl LightSection<'_> {
                 points.push((measured.seconds.median, measured.relative));
                 if default_cost.len() == k {
                     default_cost.push(measured.cost());
-                    if k + 1 == self.samples.len() && SUMMARIZED.contains(&scene) {
+                    if k + 1 == self.samples.len() {
                         self.highlights.push([
                             format!("`{scene}`: {}, {samples} samples per pixel", integrator_label(integrator)),
                             format!("{} Mrays/s", measured.mrays_per_second()),

@@ -84,7 +84,7 @@ pub fn section(options: &RunOptions) -> Section {
              roulette, all threads. `holo` and Mitsuba 3 (`llvm_ad_rgb`, one `batch`, kernels compiled before) render \
              {side} x {side} views at once; Blender's Cycles renders one view at a time with the scene kept in memory. \
              Ratios are to `holo` with *reuse off*, where every pixel has samples of its own alone, as in the others; \
-             *reuse views* is the default, *denoise views* the reconstruction across views, and *OIDN* \
+             *reuse views* shares samples in groups of 16 views, *denoise views* is the reconstruction across views, and *OIDN* \
              OpenImageDenoise in Cycles with albedo, normals and accurate prefilter. \
              `holo` scatters light once between microfacets (`--no-multiple-scattering`), as Mitsuba does. \
              With more than 256 samples the others render a single view. \
@@ -138,7 +138,7 @@ fn add_rows(
         ]);
         let is_first = line.program == lines[0].program;
         // The reconstruction is shown below, at few samples.
-        let is_shown = !["independent", "denoise views"].iter().any(|end| line.program.ends_with(end));
+        let is_shown = !line.program.ends_with("denoise views");
         if line.samples == most && !is_first && is_shown {
             let error = short(trimmed);
             highlights.push([
@@ -204,9 +204,9 @@ pub fn seconds_for(error: f64, points: &[(f64, f64)]) -> Option<(&'static str, f
 /// What the views of this renderer have in common.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Light {
-    /// Nothing: `--reuse off`.
+    /// Nothing: the default.
     Own,
-    /// Their light: the default.
+    /// Samples in groups of 16 views: `--reuse views`.
     Shared,
     /// Their samples: `--denoise views`.
     Denoised,
@@ -266,7 +266,7 @@ fn measure_own(
         .collect()
 }
 
-/// Measures Mitsuba with two samplers, and Blender; also returns a message for each that could not be run. With many
+/// Measures Mitsuba with its best sampler, and Blender; also returns a message for each that could not be run. With many
 /// samples a single view is enough to be measured.
 fn measure_peers(
     options: &RunOptions,
@@ -283,14 +283,12 @@ fn measure_peers(
         Ok(found) => lines.extend(found),
         Err(why) => failures.push(why),
     };
-    for (sampler, side, samples) in
-        [("multijitter", side, samples), ("multijitter", 1, of_single_views), ("independent", side, samples)]
-    {
+    for (side, samples) in [(side, samples), (1, of_single_views)] {
         let views = side.to_string();
-        let arguments = ["--side", &views, "--depth", &depth, "--rounds", &rounds, "--sampler", sampler];
+        let arguments = ["--side", &views, "--depth", &depth, "--rounds", &rounds, "--sampler", "multijitter"];
         // A round renders all views.
         let views = (side * side) as f64;
-        collect(run("mitsuba", "mitsuba_grid.py", &arguments, samples, &format!("Mitsuba 3, {sampler}"), views));
+        collect(run("mitsuba", "mitsuba_grid.py", &arguments, samples, "Mitsuba 3, multijitter", views));
     }
     for (denoise, side, samples) in [("off", "3", samples), ("oidn", "3", samples), ("oidn", "1", of_single_views)] {
         let arguments = ["--bounces", &cycles, "--seeds", &rounds, "--denoise", denoise, "--side", side];

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use holo_core::{GridSize, Remainder, Sensor};
-use holo_render::{Backend, Integrator, Renderer, Request};
+use holo_render::{Backend, Denoise, Integrator, Renderer, Request, SamplesPerPixel};
 use holo_scene::{Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 
 use crate::plot::{Plot, Series};
@@ -23,8 +23,11 @@ pub fn section(options: &RunOptions) -> Section {
     });
     let mut largest = vec![table.last()];
     if !options.quick {
-        let points = divisions(options, engine, &mut table);
-        plot.add(Series { name: "views of an 8K sensor".into(), color: 3, dashes: 0, points });
+        for sharing in [Sharing::Plain, Sharing::Shared] {
+            let points = divisions(engine, sharing, &mut table);
+            plot.add(Series { name: sharing.views_of_8k().into(), color: 3 + sharing as usize, dashes: 0, points });
+            sensors(engine, sharing, &mut table);
+        }
     }
     let points = triangles(options, engine, &mut table);
     largest.push(table.last());
@@ -48,7 +51,12 @@ pub fn section(options: &RunOptions) -> Section {
              light, 10,000 pixels. Memory is the increase of the peak during rendering; for triangles, during the BVH \
              build, too.",
             if options.quick { "1024" } else { "10,000" },
-            if options.quick { "" } else { ", for an 8K sensor divided into 20 to 100 views per axis" },
+            if options.quick {
+                ""
+            } else {
+                ", for an 8K sensor divided into 5 to 200 views per axis, for sensors of HD, 4K and 8K in 100 x 100 views (both \
+                 also with paths of up to 8 bounces, 1/4 sample, denoise views; single runs)"
+            },
             if options.quick { 5 } else { 7 }
         ),
         highlights,
@@ -65,36 +73,80 @@ fn views(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64, 
     let counts: &[usize] = if options.quick { &[1, 3, 10, 32] } else { &[1, 3, 10, 32, 56, 100] };
     counts
         .iter()
-        .map(|&views| add_garden_row("views", views, GridSize::new(53, 79), options.rounds, engine, table))
+        .map(|&views| {
+            add_garden_row(["views", ""], views, GridSize::new(53, 79), Sharing::Plain, options.rounds, engine, table)
+        })
         .collect()
 }
 
-/// The rows of the paper's Table I: one sensor divided into different numbers of views.
-fn divisions(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64, f64)> {
+/// How pixels get their light.
+#[derive(Clone, Copy)]
+enum Sharing {
+    /// Direct light, a sample of its own for every pixel.
+    Plain,
+    /// Paths, a quarter of a sample for each, shared between views.
+    Shared,
+}
+
+impl Sharing {
+    fn views_of_8k(self) -> &'static str {
+        match self {
+            Self::Plain => "views of 8K",
+            Self::Shared => "views of 8K, paths, 1/4 sample, denoise views",
+        }
+    }
+
+    fn request(self, rig: holo_core::Rig) -> Request {
+        let request = direct(rig, sky("garden"));
+        match self {
+            Self::Plain => request,
+            Self::Shared => request
+                .integrator(Integrator::Path)
+                .samples(SamplesPerPixel::one_in(4).expect("a power of two"))
+                .denoise(Denoise::Views),
+        }
+    }
+}
+
+/// One sensor divided into different numbers of views, as in the paper's Table I.
+fn divisions(engine: Backend, sharing: Sharing, table: &mut Table) -> Vec<(f64, f64)> {
     let row = |views| {
         let split = Sensor::Paper8k.divide(GridSize::new(views, views), Remainder::Crop).expect("a split").shape;
-        add_garden_row("views of 8K", views, split.lenses(), options.rounds.min(3), engine, table)
+        add_garden_row([sharing.views_of_8k(), ""], views, split.lenses(), sharing, 1, engine, table)
     };
-    [20, 40, 60, 80, 100].into_iter().map(row).collect()
+    [5, 10, 20, 50, 100, 200].into_iter().map(row).collect()
+}
+
+/// Sensors of different sizes divided into 100 x 100 views.
+fn sensors(engine: Backend, sharing: Sharing, table: &mut Table) {
+    for (name, sensor) in [(", HD", Sensor::Hd), (", 4K", Sensor::Uhd4k), (", 8K", Sensor::Paper8k)] {
+        let split = sensor.divide(GridSize::new(100, 100), Remainder::Crop).expect("a split").shape;
+        let what = match sharing {
+            Sharing::Plain => "views",
+            Sharing::Shared => "views, paths, 1/4 sample, denoise views",
+        };
+        add_garden_row([what, name], 100, split.lenses(), sharing, 1, engine, table);
+    }
 }
 
 /// Adds a row for the scene `garden` to the table; returns its point in the plot.
 fn add_garden_row(
-    what: &str,
+    what: [&str; 2],
     views: usize,
     lenses: GridSize,
+    sharing: Sharing,
     rounds: usize,
     engine: Backend,
     table: &mut Table,
 ) -> (f64, f64) {
     let framed = FramedScene::new("garden", views, lenses, None);
-    let request = direct(framed.rig, sky("garden"));
+    let request = sharing.request(framed.rig);
     let (build, renderer) = timed(1, || framed.renderer(engine, None));
     let (bytes, (seconds, rendered)) =
         peak_bytes(|| timed(rounds, || renderer.render(&request, &()).expect("a render")));
     let count = views * views;
     table.push([
-        what.into(),
+        what.concat(),
         count.to_string(),
         short(build.median),
         seconds.text(),

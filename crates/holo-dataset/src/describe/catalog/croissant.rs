@@ -72,7 +72,7 @@ fn splits() -> Value {
         "@type": "cr:RecordSet",
         "@id": "splits",
         "name": "splits",
-        "description": format!("Every scene file of number {TEST_EVERY}, {}, ... is for tests, with all its frames", 2 * TEST_EVERY),
+        "description": format!("Every scene file of number {TEST_EVERY}, {}, ... is for tests, with all its frames; of fewer files the last", 2 * TEST_EVERY),
         "dataType": "cr:Split",
         "key": {"@id": "splits/name"},
         "field": [field("name", "sc:Text"), field("url", "sc:URL")],

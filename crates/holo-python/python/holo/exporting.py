@@ -1,0 +1,36 @@
+"""Light fields as the files that other programs read."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+
+from . import _holo
+from ._options import tell
+
+
+def export_targets() -> dict[str, str]:
+    """The programs that `export` writes for: the name of the target, and what reads its files."""
+    return dict(_holo.export_targets())
+
+
+def export(
+    input: str | os.PathLike,
+    target: str,
+    out: str | os.PathLike,
+    *,
+    views: int | tuple[int, int] | None = None,
+    group: str | None = None,
+) -> list[pathlib.Path]:
+    """Writes a light field, or those of a dataset, as the files that another program reads, as `holo export` does.
+
+    input: a dataset of `holo dataset`, or a folder or file with one light field. target: one of `export_targets()`. out: an
+    empty or missing folder. views: those of a dataset that has several numbers of them, one number or (rows, columns).
+    group: the folder of the scenes, where readers expect one.
+
+    Returns the files. A target that needs what the light fields do not have is a UsageError.
+    """
+    views = (views, views) if isinstance(views, int) else views
+    files, lines = _holo.export(pathlib.Path(input), target, pathlib.Path(out), views, group)
+    tell(lines)
+    return [pathlib.Path(out) / name for name in files]
