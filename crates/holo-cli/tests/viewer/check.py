@@ -84,6 +84,12 @@ class Check:
 
     # What follows is one promise of the page each.
 
+    def pixels_fade_into_each_other_until_i_is_pressed(self):
+        pressed = "document.getElementById('smooth').getAttribute('aria-pressed')"
+        self.equal(self.browser.run(pressed), "true", "smooth at first")
+        self.browser.press("i")
+        self.equal(self.browser.run(pressed), "false", "smooth after I")
+
     def dragging_moves_the_view(self):
         self.browser.press("1")
         self.equal(self.state()["view"], self.central, "the first view")
@@ -336,6 +342,7 @@ def main():
         check.vertical = options.vertical
         check.equal(check.state()["renderer"], options.renderer, "what draws")
         for part in (
+            check.pixels_fade_into_each_other_until_i_is_pressed,
             check.dragging_moves_the_view, check.keys_move_the_view, check.the_inset_goes_to_a_view,
             check.grids_are_the_file, check.the_wheel_zooms_where_the_pointer_is,
             check.double_click_goes_to_the_lens_and_back, check.refocusing_averages_the_views,
