@@ -1,14 +1,12 @@
 //! Calibration targets: raw images of checkerboards, with the exact positions of their corners.
 
 use std::fmt::Write as _;
-use std::ops::Range;
 use std::path::Path;
 
 use holo_core::GridSize;
 use holo_io::{CameraFile, Manifest, ManifestValue, Sha256};
 use holo_render::{Integrator, LayerSet, Progress, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
-use ndarray::{Array3, Axis};
 use serde::Deserialize;
 
 use crate::Error;
@@ -119,14 +117,10 @@ impl TargetJob {
             let request = Request::new(camera.clone()).integrator(Integrator::Direct).samples(self.samples);
             let request = request.seed(self.seed + frame as u64).layers(LayerSet::EMPTY);
             manifest.libraries = libraries(&renderer);
-            let rows = self.rows(&placed);
-            let color = renderer.render(&request.rows(Some(rows.clone())), progress)?.color;
+            let color = renderer.render(&request, progress)?.color;
             let color = color.ok_or_else(|| Error::Failed("the renderer returned no color".into()))?;
-            let GridSize { rows: height, columns: width } = camera.sensor().size;
-            let mut whole = Array3::zeros((height, width, color.channels()));
-            whole.slice_axis_mut(Axis(0), rows.into()).assign(&image(color)?);
             // A white square has 80 % of the range.
-            write_raw(&mut folder, &format!("frame_{frame:02}"), whole, Exposure::Ev(0.0))?;
+            write_raw(&mut folder, &format!("frame_{frame:02}"), image(color)?, Exposure::Ev(0.0))?;
         }
         folder.add("corners.csv", holo_io::write_file(folder.file("corners.csv"), table.as_bytes())?);
         Ok((folder.seal(manifest)?, count))
@@ -189,36 +183,6 @@ impl TargetJob {
     /// The place of a corner on the board, from its center, in squares: x right, y up.
     fn on_board(&self, row: usize, column: usize) -> [f64; 2] {
         [column as f64 - (self.corners.columns - 1) as f64 / 2.0, (self.corners.rows - 1) as f64 / 2.0 - row as f64]
-    }
-
-    /// The rows of pixels that see the board, or a little more: nothing else is in the scene. All of them where a part of its
-    /// edge is beside the image.
-    fn rows(&self, placed: &Transform) -> Range<usize> {
-        /// Points along each edge: between them it moves by less than a micro-image.
-        const POINTS: usize = 64;
-        let camera = &self.camera.camera;
-        let height = camera.sensor().size.rows;
-        // The board with its margins, from its center, in squares.
-        let (right, top) = (self.corners.columns as f64 / 2.0 + 1.5, self.corners.rows as f64 / 2.0 + 1.5);
-        let radius_px = camera.micro_image_radii_m(0)[1] / camera.sensor().pixel_m + BORDER_PX;
-        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        for k in 0..=POINTS {
-            let part = 2.0 * k as f64 / POINTS as f64 - 1.0;
-            let on_edges = [[part * right, top], [part * right, -top], [right, part * top], [-right, part * top]];
-            for point in on_edges.map(|[x, y]| placed.point([x * self.square_m, y * self.square_m, 0.0])) {
-                // A microlens blurs a point: it also sees those that lie so far beside its micro-image.
-                let blurs = camera.lenses_seeing(point, radius_px).into_iter();
-                let blurs = blurs.filter_map(|lens| Some(camera.project(point, lens)?.blur_radius_px.abs()));
-                let Some(blur_px) = blurs.reduce(f64::max) else { return 0..height };
-                for lens in camera.lenses_seeing(point, radius_px + blur_px) {
-                    let [_, v] = camera.micro_image_center_px(lens);
-                    (first, last) = (first.min(v), last.max(v));
-                }
-            }
-        }
-        // And a micro-image for what lies between the points.
-        let within = |v: f64| v.clamp(0.0, height as f64) as usize;
-        within((first - 2.0 * radius_px).floor())..within((last + 2.0 * radius_px).ceil()).max(1)
     }
 
     /// Adds a line for every corner in every micro-image; returns their number.
