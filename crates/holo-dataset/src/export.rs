@@ -132,7 +132,7 @@ impl ExportJob {
         {
             return Err(Error::BadRequest(format!("`group={}` is no name of a folder", holo_core::shown(group))));
         }
-        // What can be refused is, before a folder appears.
+        // A wrong request is refused before a folder appears.
         let sources = match self.target.writer {
             Writer::Fields { .. } => sources(&self.input, self.views)?,
             Writer::Pinholes(_) => self.checked_pinholes()?,
@@ -170,7 +170,7 @@ impl ExportJob {
         Ok(Exported { contents, files })
     }
 
-    /// Checks that the input has images of pinhole cameras, and that nothing is said that they do not have.
+    /// Refuses an input without images of pinhole cameras, and settings that only light fields have.
     fn checked_pinholes(&self) -> Result<Vec<SourceField>, Error> {
         let name = self.target.name;
         for (key, is_given) in [("views", self.views.is_some()), ("group", self.group.is_some())] {

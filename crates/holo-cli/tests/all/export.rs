@@ -103,7 +103,7 @@ fn pinhole_cameras_are_exported_for_radiance_fields() {
     std::fs::write(bench.path("cameras.json"), text).unwrap();
     let line = format!("render {SCENE} --transforms cameras.json --transforms-up y --out posed --spp 1 --quiet");
     ok(bench.run(&line));
-    // Depth has the mask of what is hit beside it.
+    // The render also wrote a mask of what each camera hits.
     for k in 0..3 {
         let depth = holo_io::read_pfm_gray(bench.path(format!("posed/depth/v{k}.pfm")), &Limits::default()).unwrap();
         let mask = read_u8(bench.path(format!("posed/hit_mask/v{k}.png")));

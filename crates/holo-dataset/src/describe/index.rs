@@ -361,7 +361,7 @@ const RAW_FILES: [(&str, &str); 8] = [
     ("white.exr, white.png", "the white image: light of an evenly bright scene"),
     ("centers.csv", "the centers of the micro-images"),
     ("raw_depth.pfm", "depth that a pixel sees through the middle of the lens, m, if it was requested"),
-    ("raw_hit_mask.png", "beside it: 255 where that ray hits something"),
+    ("raw_hit_mask.png", "255 where the ray of raw_depth.pfm hits the scene, 0 where depth is infinite"),
     (names::CAMERA_TOML, "the camera, as a file of --camera-file"),
     (names::MANIFEST_JSON, "settings, versions, exposure, and the SHA-256 of every file"),
 ];
