@@ -46,7 +46,7 @@ pub use distortion::Distortion;
 pub use equivalent::EquivalentViews;
 pub use lune::LitRegion;
 pub use main_lens::{ArrayFocus, MainLens, Stop};
-pub use microlens::{Microlens, PlenopticRay};
+pub use microlens::{Microlens, PlenopticRay, RayCoefficients};
 pub use microlenses::{LensAperture, MicrolensArray, MicrolensFocus, MicrolensGrid, MicrolensIndex};
 pub use presets::{Preset, presets};
 pub use projection::{MicroImagePoint, PlenopticMode};

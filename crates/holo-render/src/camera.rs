@@ -80,7 +80,7 @@ impl<'a> Iterator for Packets<'a> {
                 PixelPacket { valid, ids, source: PixelSource::Rig(rig, pixels) }
             }
             RaySource::Plenoptic(rays) => {
-                let pixels = rays.packet(position[0]);
+                let pixels = rays.packet(position[1]);
                 let (valid, ids) = (pixels.valid(), rays.pixel_ids(pixels));
                 PixelPacket { valid, ids, source: PixelSource::Plenoptic(rays, pixels) }
             }

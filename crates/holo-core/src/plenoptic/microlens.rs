@@ -2,7 +2,7 @@
 
 use super::lune::Opening;
 use super::main_lens::Pupils;
-use super::{LitRegion, MicrolensFocus, MicrolensIndex, PlenopticCamera};
+use super::{LensAperture, LitRegion, MicrolensFocus, MicrolensIndex, PlenopticCamera, PupilShape};
 
 /// A ray into the scene, in the frame of the entrance pupil.
 ///
@@ -34,6 +34,42 @@ pub struct Microlens {
     /// The displacement over the exit pupil per displacement on the microlens.
     pub alpha: f64,
     pub(super) pupils: Pupils,
+}
+
+/// How the rays of a microlens depend on the points that they pass, without distortion, along x and y alike: a point X from
+/// the center of the micro-image and a point Q from the center of the microlens, both in meters.
+///
+/// origin = `origin_per_sensor` X - `origin_per_lens` Q, direction = `slope_per_m` (C + Q) - `inverse_focus_per_m` origin
+/// for the [center](Microlens::center_m) C.
+///
+/// # Source
+///
+/// See [`PlenopticCamera::ray`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RayCoefficients {
+    /// The displacement of the origin per displacement on the sensor (m D_X / d).
+    pub origin_per_sensor: f64,
+    /// The displacement of the origin against a displacement on the microlens (m alpha).
+    pub origin_per_lens: f64,
+    /// The slope of the chief ray per meter on the array (g), in 1/m.
+    pub slope_per_m: f64,
+    /// 1 / depth of the plane in focus (1 / F), in 1/m.
+    pub inverse_focus_per_m: f64,
+}
+
+impl Microlens {
+    /// Returns how its rays depend on the points that they pass.
+    #[inline]
+    #[must_use]
+    pub fn ray_coefficients(&self) -> RayCoefficients {
+        let Pupils { magnification, exit_m, inverse_focus_per_m, slope_per_m, .. } = self.pupils;
+        RayCoefficients {
+            origin_per_sensor: magnification * exit_m / self.gap_m,
+            origin_per_lens: magnification * self.alpha,
+            slope_per_m,
+            inverse_focus_per_m,
+        }
+    }
 }
 
 impl PlenopticCamera {
@@ -102,9 +138,9 @@ impl PlenopticCamera {
     #[inline]
     #[must_use]
     pub fn relative_ray(&self, lens: &Microlens, on_sensor_m: [f64; 2], on_lens_m: [f64; 2]) -> PlenopticRay {
-        let Pupils { magnification, exit_m, inverse_focus_per_m, slope_per_m, .. } = lens.pupils;
-        let origin_m = [0, 1]
-            .map(|k| magnification * exit_m / lens.gap_m * on_sensor_m[k] - magnification * lens.alpha * on_lens_m[k]);
+        let RayCoefficients { origin_per_sensor, origin_per_lens, slope_per_m, inverse_focus_per_m } =
+            lens.ray_coefficients();
+        let origin_m = [0, 1].map(|k| origin_per_sensor * on_sensor_m[k] - origin_per_lens * on_lens_m[k]);
         let point = [0, 1].map(|k| lens.center_m[k] + on_lens_m[k]);
         let point = self.main_lens().distortion.undistorted(point);
         let direction = [0, 1].map(|k| slope_per_m * point[k] - origin_m[k] * inverse_focus_per_m);
@@ -166,6 +202,18 @@ impl PlenopticCamera {
             on_sensor_m.map(|x| scale * x),
             sign * lens.alpha,
         )
+    }
+
+    /// Returns the distance from the center of the micro-image within which places on the sensor get light through all of a
+    /// round microlens, in meters; below 0 if there are none, or if the apertures are of other shapes.
+    #[must_use]
+    pub fn lit_whole_radius_m(&self, lens: &Microlens) -> f64 {
+        match (self.array().aperture, self.main_lens().aperture) {
+            (LensAperture::Round { radius_m }, PupilShape::Round) if lens.lens_type != self.array().type_count() => {
+                (self.exit_pupil_radius_m() - lens.alpha.abs() * radius_m) * lens.gap_m / lens.pupils.exit_m
+            }
+            _ => -1.0,
+        }
     }
 
     /// Returns whether no stop can block light of the pupil through a microlens.

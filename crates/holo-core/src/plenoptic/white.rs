@@ -75,11 +75,11 @@ impl PlenopticCamera {
         for line in self.lens_lines(rows.clone()) {
             for lens in self.lenses_on_line(line, rows.clone()).flat_map(|lens| self.openings(lens)) {
                 let edge = if self.is_clear_of_stops(&lens) { rule.edges[lens.lens_type] } else { Edge::Stopped };
-                let light = Light { camera: self, rule, lens };
+                let light = Light::new(self, rule, lens);
                 for (row, columns) in self.lit_pixels(&lens, rows.clone()) {
                     for column in columns {
                         let middle = self.place_m([column as f64 + 0.5, row as f64 + 0.5]);
-                        band[[row - first, column]] += (light.of_pixel(middle, edge) / rule.unvignetted) as f32;
+                        band[[row - first, column]] += (light.of_pixel(middle, edge) * rule.relative) as f32;
                     }
                 }
             }
@@ -139,17 +139,17 @@ enum Edge {
 
 /// What all pixels of a white image have in common.
 struct Rule {
-    /// The light of an unvignetted pixel on the axis.
-    unvignetted: f64,
+    /// 1 / the light of an unvignetted pixel on the axis.
+    relative: f64,
     /// Points of a microlens and their weights, exact to the fifth degree.
     points: Vec<([f64; 2], f64)>,
     /// The mean of x^2 over them.
     spread_m2: f64,
     edges: Vec<Edge>,
-    /// The mean of cos^4 over pixel and microlens, by the squared distance of their centers in steps of `step`; for round
+    /// The mean of cos^4 over pixel and microlens, by the squared distance of their centers, so many entries per m^2; for round
     /// microlenses.
     cos4: Vec<f64>,
-    step: f64,
+    per_squared_m: f64,
 }
 
 /// The number of entries of the table of cos^4.
@@ -175,12 +175,12 @@ impl Rule {
         };
         let points = lens_points(array.aperture, array.rotation_rad);
         let mut rule = Self {
-            unvignetted: camera.central_cos4(),
+            relative: 1.0 / camera.central_cos4(),
             spread_m2: points.iter().map(|&(point, weight)| weight * point[0] * point[0]).sum(),
             points,
             edges: (0..array.type_count() + usize::from(array.has_clear_gaps)).map(edge).collect(),
             cos4: Vec::new(),
-            step: 0.0,
+            per_squared_m: 0.0,
         };
         if matches!(array.aperture, LensAperture::Round { .. }) {
             // From the center of a microlens to the farthest pixel that it lights.
@@ -196,10 +196,10 @@ impl Rule {
             let corner =
                 corners.map(|corner| camera.place_m(corner)).map(|[x, y]| x.hypot(y)).into_iter().fold(0.0, f64::max);
             let farthest = (corner + dark + pixel) * shift + dark + 2.0 * pixel;
-            rule.step = farthest * farthest / (ENTRIES - 2) as f64;
+            rule.per_squared_m = (ENTRIES - 2) as f64 / (farthest * farthest);
             let width = pixel * camera.sensor().fill;
             let mean = |k: usize| {
-                let away = (k as f64 * rule.step).sqrt();
+                let away = (k as f64 / rule.per_squared_m).sqrt();
                 let places = GAUSS.iter().flat_map(|&y| GAUSS.map(|x| [away + x * width, y * width]));
                 places.map(|place| rule.over_lens(|point| cos4(place, point, array.gap_m))).sum::<f64>() / 4.0
             };
@@ -241,18 +241,42 @@ struct Light<'a> {
     camera: &'a PlenopticCamera,
     rule: &'a Rule,
     lens: Microlens,
+    /// Within the square of this distance from the center of the micro-image light through all of the microlens reaches all
+    /// of a pixel; below 0 if it does nowhere.
+    whole_squared: f64,
+    /// A distance on the sensor per distance on the exit pupil, and 1 / the image of its radius there, 1/m.
+    scale: f64,
+    per_radius: f64,
+    /// The squared distances from the middle of the pupil's image within which it covers all of a pixel, and from which on
+    /// nothing.
+    covered: [f64; 2],
 }
 
-impl Light<'_> {
+impl<'a> Light<'a> {
+    fn new(camera: &'a PlenopticCamera, rule: &'a Rule, lens: Microlens) -> Self {
+        let inner = camera.main_lens().aperture.inner_and_outer()[0] * camera.exit_pupil_radius_m();
+        let moved = lens.alpha.abs() * camera.array().aperture.outer_radius_m();
+        let scale = lens.gap_m / lens.pupils.exit_m;
+        let radius_m = scale * camera.exit_pupil_radius_m();
+        let mut light =
+            Self { camera, rule, lens, whole_squared: -1.0, scale, per_radius: 1.0 / radius_m, covered: [0.0; 2] };
+        let reach = light.width_m() * std::f64::consts::FRAC_1_SQRT_2;
+        let squared = |within: f64| if within >= 0.0 { within * within } else { -1.0 };
+        light.whole_squared = squared(scale * (inner - moved) - reach);
+        light.covered = [squared(radius_m - reach), squared(radius_m + reach)];
+        light
+    }
+
     /// The light that the pixel around a place gets: its share of the white image, before the division by that of an
     /// unvignetted pixel.
+    #[inline]
     fn of_pixel(&self, middle: [f64; 2], edge: Edge) -> f64 {
         match edge {
+            Edge::Sharp | Edge::Narrow if self.is_lit_whole(middle) => self.mean_cos4(middle),
             Edge::Sharp => {
                 let share = self.covered_share(self.middle_of_light(middle), middle);
                 if share > 0.0 { share * self.mean_cos4(self.lit_place(middle, share)) } else { 0.0 }
             }
-            Edge::Narrow if self.is_lit_whole(middle) => self.mean_cos4(middle),
             Edge::Narrow => self.rule.over_lens(|point| {
                 let share = self.covered_share(point, middle);
                 let width_m = share.sqrt() * self.width_m();
@@ -277,12 +301,13 @@ impl Light<'_> {
     }
 
     /// The mean of cos^4 over the microlens and a pixel around a place.
+    #[inline]
     fn mean_cos4(&self, place: [f64; 2]) -> f64 {
         if self.rule.cos4.is_empty() || self.lens.gap_m != self.camera.array().gap_m {
             return self.rule.over_lens(|point| self.cos4_over(place, self.width_m(), point));
         }
         let [x, y] = [place[0] - self.lens.center_m[0], place[1] - self.lens.center_m[1]];
-        let at = (x * x + y * y) / self.rule.step;
+        let at = (x * x + y * y) * self.rule.per_squared_m;
         let k = (at as usize).min(ENTRIES - 2);
         let (low, high) = (self.rule.cos4[k], self.rule.cos4[k + 1]);
         low + (high - low) * (at - k as f64)
@@ -300,12 +325,8 @@ impl Light<'_> {
 
     /// Whether light through all of the microlens reaches all of a pixel.
     fn is_lit_whole(&self, middle: [f64; 2]) -> bool {
-        let (camera, lens) = (self.camera, &self.lens);
-        let inner = camera.main_lens().aperture.inner_and_outer()[0] * camera.exit_pupil_radius_m();
-        let moved = lens.alpha.abs() * camera.array().aperture.outer_radius_m();
         let [x, y] = self.on_sensor(middle);
-        let reach = self.width_m() * std::f64::consts::FRAC_1_SQRT_2;
-        x.hypot(y) + reach <= lens.gap_m / lens.pupils.exit_m * (inner - moved)
+        x * x + y * y <= self.whole_squared
     }
 
     /// The middle of the lit part of a pixel that an edge crosses, which lies towards the center.
@@ -396,12 +417,11 @@ impl Light<'_> {
     /// The share of a pixel that light through one point of the microlens reaches: that of the image of the pupil.
     fn covered_share(&self, point: [f64; 2], middle: [f64; 2]) -> f64 {
         let (camera, pixel) = (self.camera, self.width_m());
-        let scale = self.lens.gap_m / self.lens.pupils.exit_m;
-        let radius = scale * camera.exit_pupil_radius_m();
-        let from = [0, 1].map(|k| self.on_sensor(middle)[k] - scale * self.lens.alpha * point[k]);
-        let reach = pixel * std::f64::consts::FRAC_1_SQRT_2;
-        let [low, high] = [-0.5, 0.5].map(|side| from.map(|x| (x + side * pixel) / radius));
-        let unit = pixel / radius;
+        let from = self.on_sensor(middle);
+        let from = [0, 1].map(|k| from[k] - self.scale * self.lens.alpha * point[k]);
+        let per_radius = self.per_radius;
+        let [low, high] = [-0.5, 0.5].map(|side| from.map(|x| (x + side * pixel) * per_radius));
+        let unit = pixel * per_radius;
         match camera.main_lens().aperture {
             PupilShape::Square => {
                 let width = [0, 1].map(|k| (high[k].min(1.0) - low[k].max(-1.0)).max(0.0) / unit);
@@ -409,10 +429,11 @@ impl Light<'_> {
             }
             PupilShape::Round => {
                 let squared = from[0] * from[0] + from[1] * from[1];
-                if reach < radius && squared <= (radius - reach).powi(2) {
+                let [all, nothing] = self.covered;
+                if squared <= all {
                     return 1.0;
                 }
-                if squared >= (radius + reach).powi(2) {
+                if squared >= nothing {
                     return 0.0;
                 }
                 let center = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0];

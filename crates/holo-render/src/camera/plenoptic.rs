@@ -8,12 +8,13 @@
 //!
 //! Source: [`holo_core::plenoptic::PlenopticCamera`], in f64.
 
-use std::sync::OnceLock;
+mod spots;
 
-use holo_core::plenoptic::{LitRegion, Microlens, MicrolensIndex, PlenopticCamera};
+use holo_core::plenoptic::{LitRegion, Microlens, MicrolensIndex, PlenopticCamera, PlenopticRay, RayCoefficients};
 
+use self::spots::{Spots, WholeLens};
 use super::CameraRays;
-use crate::accel::{Cells, ExactRays, RayHits, SpotDifferentials};
+use crate::accel::{Cells, ExactRays, RayHits};
 use crate::sampling::{PixelIds, Points, Purpose, Sampler, hash, morton};
 use crate::simd::{LANES, Lanes};
 
@@ -32,10 +33,21 @@ pub(crate) struct RawPacket {
 #[derive(Clone, Copy)]
 pub(crate) struct RawLens {
     lens: Microlens,
+    rays: RayCoefficients,
+    /// The square of the distance from the center of the micro-image within which all of the microlens is lit, m^2; -1 if
+    /// it never is.
+    whole_squared: f64,
     /// The row and column of the pixel with the center of the micro-image, from which the random numbers of pixels count.
     corner: [f64; 2],
     /// What the random numbers of its pixels depend on.
     id: u32,
+}
+
+/// The pixels of a microlens, and their numbers in the order of a Morton curve: the place on the curve above the number.
+#[derive(Default)]
+pub(crate) struct Order {
+    pixels: Vec<[u32; 2]>,
+    order: Vec<u64>,
 }
 
 /// The pixels of some packets and their microlenses.
@@ -56,30 +68,8 @@ pub(crate) struct PlenopticRays {
     /// Disparity = scale * (1 / depth - inverse focus), px between the views of neighboring pixels.
     disparity_scale_m_px: f64,
     whole: WholeLens,
-}
-
-/// A microlens that is lit whole, as most are in unfocused cameras: its cells are the same for all places.
-struct WholeLens {
-    region: LitRegion,
-    /// The number of cells along each axis, and the cells row by row.
-    parts: OnceLock<(u32, Vec<Option<LensPart>>)>,
-}
-
-impl WholeLens {
-    /// The part of the cell that begins in this column and row of `count` x `count`.
-    #[inline(always)]
-    fn part(&self, [column, row]: [f64; 2], count: u32) -> Option<LensPart> {
-        let all = || {
-            let corner = |k: u32| [k % count, k / count].map(|k| f64::from(k) / f64::from(count));
-            (count, (0..count * count).map(|k| LensPart::new(&self.region, corner(k), count)).collect())
-        };
-        let (known, parts) = self.parts.get_or_init(all);
-        if *known == count {
-            parts[(row as u32 * count + column as u32) as usize]
-        } else {
-            LensPart::new(&self.region, [column / f64::from(count), row / f64::from(count)], count)
-        }
-    }
+    is_distorted: bool,
+    has_stops: bool,
 }
 
 impl RawLens {
@@ -88,7 +78,14 @@ impl RawLens {
         let MicrolensIndex { row, column } = lens.index;
         let is_gap = lens.lens_type == camera.array().type_count();
         let id = hash((row as u32) << 16 ^ hash(column as u32));
-        Self { lens, corner: [y, x], id: if is_gap { hash(!id) } else { id } }
+        let whole_m = camera.lit_whole_radius_m(&lens);
+        Self {
+            rays: lens.ray_coefficients(),
+            whole_squared: if whole_m >= 0.0 { whole_m * whole_m } else { -1.0 },
+            lens,
+            corner: [y, x],
+            id: if is_gap { hash(!id) } else { id },
+        }
     }
 
     /// The place of a pixel from the center of the micro-image, as numbers above 0.
@@ -100,19 +97,23 @@ impl RawLens {
 impl RawPixels {
     /// Adds the pixels that light reaches through a microlens, as packets in the order of a Morton curve: blocks of 4 x 4
     /// pixels, aligned with the micro-image, follow each other.
-    pub fn push_lens(&mut self, camera: &PlenopticCamera, lens: Microlens, scratch: &mut Vec<[u32; 2]>) {
+    pub fn push_lens(&mut self, camera: &PlenopticCamera, lens: Microlens, scratch: &mut Order) {
         let raw_lens = RawLens::new(camera, lens);
-        scratch.clear();
+        let Order { pixels, order } = scratch;
+        pixels.clear();
         for (row, columns) in camera.lit_pixels(&lens, 0..camera.sensor().size.rows) {
-            scratch.extend(columns.map(|column| [row as u32, column as u32]));
+            pixels.extend(columns.map(|column| [row as u32, column as u32]));
         }
-        scratch.sort_by_cached_key(|&pixel| morton(raw_lens.view(pixel)));
+        order.clear();
+        let key = |(k, pixel): (usize, &[u32; 2])| u64::from(morton(raw_lens.view(*pixel))) << 32 | k as u64;
+        order.extend(pixels.iter().enumerate().map(key));
+        order.sort_unstable();
         let index = self.lenses.len() as u32;
         self.lenses.push(raw_lens);
-        for pixels in scratch.chunks(LANES) {
-            let at = |k: usize| pixels[k.min(pixels.len() - 1)];
+        for keys in order.chunks(LANES) {
+            let at = |k: usize| pixels[keys[k.min(keys.len() - 1)] as u32 as usize];
             let pixel = [0, 1].map(|axis| std::array::from_fn(|k| at(k)[axis]));
-            self.packets.push(RawPacket { count: pixels.len() as u32, pixel, lens: [index; LANES] });
+            self.packets.push(RawPacket { count: keys.len() as u32, pixel, lens: [index; LANES] });
         }
     }
 
@@ -144,47 +145,74 @@ impl RawPacket {
     }
 }
 
-/// A cell of a microlens.
-#[derive(Clone, Copy)]
-struct LensPart {
-    /// The mean of its points, m from the center of the microlens.
-    mean: [f64; 2],
-    /// The variances of its points along x and y, and their covariance, m^2.
-    variances: [f64; 3],
+/// The microlenses of sixteen pixels.
+struct Lenses {
+    center: [[f64; LANES]; 2],
+    image_center: [[f64; LANES]; 2],
+    gap: [f64; LANES],
+    origin_per_sensor: [f64; LANES],
+    origin_per_lens: [f64; LANES],
+    slope: [f64; LANES],
+    inverse_focus: [f64; LANES],
+    whole_squared: [f64; LANES],
 }
 
-/// The places of two points that have the mean and the variance of an interval from 0 to 1.
-const TWO_POINTS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+impl Lenses {
+    const NONE: Self = Self {
+        center: [[0.0; LANES]; 2],
+        image_center: [[0.0; LANES]; 2],
+        gap: [1.0; LANES],
+        origin_per_sensor: [0.0; LANES],
+        origin_per_lens: [0.0; LANES],
+        slope: [0.0; LANES],
+        inverse_focus: [0.0; LANES],
+        whole_squared: [0.0; LANES],
+    };
 
-impl LensPart {
-    /// The part of a lit region that belongs to a cell of the unit square with this corner; `None` if it is not lit whole.
     #[inline(always)]
-    fn new(region: &LitRegion, corner: [f64; 2], count: u32) -> Option<Self> {
-        let mut points = [[0.0; 2]; 4];
-        let mut mean = [0.0; 2];
-        for k in 0..4 {
-            let x = corner[0] + TWO_POINTS[k % 2] / f64::from(count);
-            let y = corner[1] + TWO_POINTS[k / 2] / f64::from(count);
-            points[k] = region.point([x, y])?;
-            for axis in 0..2 {
-                mean[axis] += points[k][axis] / 4.0;
-            }
+    fn set(&mut self, lane: usize, lens: &RawLens) {
+        for axis in 0..2 {
+            self.center[axis][lane] = lens.lens.center_m[axis];
+            self.image_center[axis][lane] = lens.lens.image_center_m[axis];
         }
-        let mut variances = [0.0; 3];
-        for point in points {
-            let (x, y) = (point[0] - mean[0], point[1] - mean[1]);
-            variances[0] += x * x / 4.0;
-            variances[1] += y * y / 4.0;
-            variances[2] += x * y / 4.0;
-        }
-        Some(Self { mean, variances })
+        self.gap[lane] = lens.lens.gap_m;
+        self.origin_per_sensor[lane] = lens.rays.origin_per_sensor;
+        self.origin_per_lens[lane] = lens.rays.origin_per_lens;
+        self.slope[lane] = lens.rays.slope_per_m;
+        self.inverse_focus[lane] = lens.rays.inverse_focus_per_m;
+        self.whole_squared[lane] = lens.whole_squared;
+    }
+
+    /// cos^4 of the light from a point of the microlens to a place on the sensor, as
+    /// [`PlenopticCamera::relative_cos4`].
+    #[inline(always)]
+    fn cos4(&self, points: &RayPoints, lane: usize) -> f64 {
+        let away = |axis: usize| {
+            points.on_lens[axis][lane]
+                - points.on_sensor[axis][lane]
+                - (self.image_center[axis][lane] - self.center[axis][lane])
+        };
+        let [x, y] = [away(0), away(1)];
+        let squared = 1.0 + (x * x + y * y) / (self.gap[lane] * self.gap[lane]);
+        1.0 / (squared * squared)
     }
 }
 
-/// The number of the cell of a place between 0 and 1, of `count`.
-#[inline(always)]
-fn cell(place: f64, count: u32) -> f64 {
-    (place * f64::from(count)).floor().min(f64::from(count) - 1.0)
+/// The points that sixteen rays pass.
+struct RayPoints {
+    /// On the sensor, from the centers of the micro-images, m.
+    on_sensor: [[f64; LANES]; 2],
+    /// On the microlenses, from their centers, m.
+    on_lens: [[f64; LANES]; 2],
+    /// The area that a point of a microlens stands for, m^2.
+    area: [f64; LANES],
+    /// Whether the microlens is known to be lit whole.
+    is_whole: [bool; LANES],
+}
+
+impl RayPoints {
+    const NONE: Self =
+        Self { on_sensor: [[0.0; LANES]; 2], on_lens: [[0.0; LANES]; 2], area: [0.0; LANES], is_whole: [false; LANES] };
 }
 
 impl PlenopticRays {
@@ -195,10 +223,9 @@ impl PlenopticRays {
             scale: 1.0 / (camera.array().aperture.area_m2() * camera.central_cos4()),
             near: (-camera.entrance_pupil_offset_m() as f32).max(f32::MIN_POSITIVE),
             disparity_scale_m_px: views.baseline_m / views.slope_per_lens,
-            whole: WholeLens {
-                region: camera.relative_lit_region(&camera.microlens(MicrolensIndex { row: 0, column: 0 }), [0.0; 2]),
-                parts: OnceLock::new(),
-            },
+            whole: WholeLens::new(camera),
+            is_distorted: !camera.main_lens().distortion.is_none(),
+            has_stops: !camera.main_lens().stops.is_empty(),
             camera: camera.clone(),
         }
     }
@@ -225,12 +252,35 @@ impl PlenopticRays {
         ids
     }
 
-    /// The center of a pixel from that of its micro-image, m.
+    /// The microlenses of the pixels.
     #[inline(always)]
-    fn on_sensor(&self, pixels: &RawPacket, lane: usize, lens: &Microlens) -> [f64; 2] {
-        let [row, column] = [pixels.pixel[0][lane], pixels.pixel[1][lane]].map(f64::from);
-        let place = self.camera.place_m([column + 0.5, row + 0.5]);
-        [place[0] - lens.image_center_m[0], place[1] - lens.image_center_m[1]]
+    fn lenses(&self, pixels: &RawPacket) -> Lenses {
+        let mut out = Lenses::NONE;
+        let first = pixels.lens[0];
+        if pixels.lens.iter().all(|&lens| lens == first) {
+            let lens = &self.pixels.lenses[first as usize];
+            for lane in 0..LANES {
+                out.set(lane, lens);
+            }
+        } else {
+            for lane in 0..LANES {
+                out.set(lane, &self.pixels.lenses[pixels.lens[lane] as usize]);
+            }
+        }
+        out
+    }
+
+    /// The centers of the pixels from those of their micro-images, m.
+    #[inline(always)]
+    fn on_sensor(&self, pixels: &RawPacket, lenses: &Lenses) -> [[f64; LANES]; 2] {
+        let mut out = [[0.0; LANES]; 2];
+        for lane in 0..LANES {
+            let [row, column] = [f64::from(pixels.pixel[0][lane]), f64::from(pixels.pixel[1][lane])];
+            let place = self.camera.place_m([column + 0.5, row + 0.5]);
+            out[0][lane] = place[0] - lenses.image_center[0][lane];
+            out[1][lane] = place[1] - lenses.image_center[1][lane];
+        }
+        out
     }
 
     /// Disparity between the views of neighboring pixels, px.
@@ -250,44 +300,133 @@ impl PlenopticRays {
         sample: u32,
         packet: &mut RayHits,
     ) -> CameraRays {
-        let center: Points = [[0.5; LANES]; 2];
-        let (mut on_lens, mut on_pixel) = (center, center);
+        let mut units: [Points; 2] = [[[0.5; LANES]; 2]; 2];
         if !sampler.centered {
-            on_lens = sampler.pixel_positions(ids, sample);
             let runs = sampler.runs(ids);
-            on_pixel = sampler.points(&runs.sequence, &runs.first.map(|first| first + sample), Purpose::SENSOR);
+            let on_pixel = sampler.points(&runs.sequence, &runs.first.map(|first| first + sample), Purpose::SENSOR);
+            units = [on_pixel, sampler.pixel_positions(ids, sample)];
         }
+        let lenses = self.lenses(pixels);
+        let middle = self.on_sensor(pixels, &lenses);
         let width = self.width_m();
-        let mut out = CameraRays { exact: NO_RAYS, weight: [0.0; LANES], valid: pixels.valid(), cells: None };
+        let mut points = RayPoints { on_sensor: middle, ..RayPoints::NONE };
         for lane in 0..LANES {
-            let lens = &self.pixels.lenses[pixels.lens[lane] as usize].lens;
-            let middle = self.on_sensor(pixels, lane, lens);
-            let on_sensor = [
-                middle[0] + (f64::from(on_pixel[0][lane]) - 0.5) * width,
-                middle[1] - (f64::from(on_pixel[1][lane]) - 0.5) * width,
-            ];
-            let region = self.camera.relative_lit_region(lens, on_sensor);
-            let Some(point) = region.point([f64::from(on_lens[0][lane]), f64::from(on_lens[1][lane])]) else {
-                out.valid.0[lane] = 0;
-                continue;
-            };
-            let ray = self.camera.relative_ray(lens, on_sensor, point);
-            if !self.camera.passes_stops(&ray) {
-                out.valid.0[lane] = 0;
-                continue;
+            points.on_sensor[0][lane] += (f64::from(units[0][0][lane]) - 0.5) * width;
+            points.on_sensor[1][lane] -= (f64::from(units[0][1][lane]) - 0.5) * width;
+        }
+        let mut valid = pixels.valid();
+        self.find_points(pixels, &lenses, &units[1], &mut points, &mut valid);
+        let mut exact = self.rays(&lenses, &points);
+        self.block(&exact, &mut valid);
+        let mut weight = [0.0; LANES];
+        for lane in 0..LANES {
+            let light = points.area[lane] * lenses.cos4(&points, lane) * self.scale;
+            let is_lit = valid.0[lane] != 0;
+            weight[lane] = if is_lit { light as f32 } else { 0.0 };
+            for x in [&mut exact.origin_x, &mut exact.origin_y, &mut exact.direction_x, &mut exact.direction_y] {
+                x[lane] = if is_lit { x[lane] } else { 0.0 };
             }
-            let cos4 = self.camera.relative_cos4(lens, on_sensor, point);
-            out.weight[lane] = (region.sampled_area_m2() * cos4 * self.scale) as f32;
-            out.exact.origin_x[lane] = ray.origin_m[0];
-            out.exact.origin_y[lane] = ray.origin_m[1];
-            out.exact.direction_x[lane] = ray.direction[0];
-            out.exact.direction_y[lane] = ray.direction[1];
         }
-        if let Some(count) = sampler.cells {
-            out.cells = Some(Cells::Spots(self.spots(pixels, &out, [&on_lens, &on_pixel], count)));
+        let spots = Spots { lenses: &lenses, middle: &middle, points: &points, units: &units, valid: &valid };
+        let cells = sampler.cells.map(|count| Cells::Spots(self.spots(pixels, &exact, &spots, count)));
+        self.write(&exact, packet);
+        CameraRays { exact, weight, valid, cells }
+    }
+
+    /// Finds the points of the microlenses for places on the sensor and points of the unit square; lanes without light are
+    /// not valid.
+    #[inline(always)]
+    fn find_points(
+        &self,
+        pixels: &RawPacket,
+        lenses: &Lenses,
+        units: &Points,
+        points: &mut RayPoints,
+        valid: &mut Lanes<i32>,
+    ) {
+        for lane in 0..LANES {
+            let [x, y] = [points.on_sensor[0][lane], points.on_sensor[1][lane]];
+            points.is_whole[lane] = x * x + y * y <= lenses.whole_squared[lane];
         }
-        self.write(&out.exact, packet);
-        out
+        for lane in 0..LANES {
+            let unit = [f64::from(units[0][lane]), f64::from(units[1][lane])];
+            let (point, area) = match points.is_whole[lane] {
+                true => (self.whole.region.point(unit), self.whole.area_m2),
+                false => self.point_of_part(pixels, points, lane, unit),
+            };
+            [points.on_lens[0][lane], points.on_lens[1][lane]] = point.unwrap_or_default();
+            points.area[lane] = area;
+            valid.0[lane] &= -i32::from(point.is_some());
+        }
+    }
+
+    /// The point of a microlens that may not be lit whole, and the area that it stands for.
+    #[inline(never)]
+    fn point_of_part(
+        &self,
+        pixels: &RawPacket,
+        points: &mut RayPoints,
+        lane: usize,
+        unit: [f64; 2],
+    ) -> (Option<[f64; 2]>, f64) {
+        let region = self.region(pixels, points, lane);
+        // Those of other shapes are.
+        points.is_whole[lane] = region == self.whole.region;
+        (region.point(unit), region.sampled_area_m2())
+    }
+
+    /// The lit part of a microlens.
+    fn region(&self, pixels: &RawPacket, points: &RayPoints, lane: usize) -> LitRegion {
+        let lens = &self.pixels.lenses[pixels.lens[lane] as usize].lens;
+        self.camera.relative_lit_region(lens, [points.on_sensor[0][lane], points.on_sensor[1][lane]])
+    }
+
+    /// The rays through points of the sensor and of the microlenses.
+    #[inline(always)]
+    fn rays(&self, lenses: &Lenses, points: &RayPoints) -> ExactRays {
+        let mut on_array = [[0.0; LANES]; 2];
+        for axis in 0..2 {
+            for lane in 0..LANES {
+                on_array[axis][lane] = lenses.center[axis][lane] + points.on_lens[axis][lane];
+            }
+        }
+        if self.is_distorted {
+            self.undistort(&mut on_array);
+        }
+        let mut exact = NO_RAYS;
+        for lane in 0..LANES {
+            let origin = |axis: usize| {
+                lenses.origin_per_sensor[lane] * points.on_sensor[axis][lane]
+                    - lenses.origin_per_lens[lane] * points.on_lens[axis][lane]
+            };
+            let [x, y] = [origin(0), origin(1)];
+            let (slope, inverse_focus) = (lenses.slope[lane], lenses.inverse_focus[lane]);
+            exact.origin_x[lane] = x;
+            exact.origin_y[lane] = y;
+            exact.direction_x[lane] = slope * on_array[0][lane] - x * inverse_focus;
+            exact.direction_y[lane] = slope * on_array[1][lane] - y * inverse_focus;
+        }
+        exact
+    }
+
+    #[inline(never)]
+    fn undistort(&self, on_array: &mut [[f64; LANES]; 2]) {
+        let distortion = self.camera.main_lens().distortion;
+        for lane in 0..LANES {
+            [on_array[0][lane], on_array[1][lane]] = distortion.undistorted([on_array[0][lane], on_array[1][lane]]);
+        }
+    }
+
+    /// Marks rays that further stops block as not valid.
+    #[inline(always)]
+    fn block(&self, exact: &ExactRays, valid: &mut Lanes<i32>) {
+        if self.has_stops {
+            for lane in 0..LANES {
+                let origin_m = [exact.origin_x[lane], exact.origin_y[lane]];
+                let direction = [exact.direction_x[lane], exact.direction_y[lane]];
+                valid.0[lane] &= -i32::from(self.camera.passes_stops(&PlenopticRay { origin_m, direction }));
+            }
+        }
     }
 
     /// The width of the light-sensitive square of a pixel, m.
@@ -296,80 +435,12 @@ impl PlenopticRays {
         self.camera.sensor().fill * self.camera.sensor().pixel_m
     }
 
-    /// The parts of pixels and microlenses that the `rays` of a sample stand for, if both are divided into `count` x `count`
-    /// cells. Cells of a microlens have the same area; the means and variances of their points are those of four points.
-    #[inline(always)]
-    fn spots(
-        &self,
-        pixels: &RawPacket,
-        rays: &CameraRays,
-        [on_lens, on_pixel]: [&Points; 2],
-        count: u32,
-    ) -> SpotDifferentials {
-        let width = self.width_m();
-        let unit = self.camera.array().aperture.half_width_m();
-        let mut out = SpotDifferentials {
-            on_sensor: [[0.0; LANES]; 2],
-            on_lens: [[0.0; LANES]; 2],
-            lens_part: [[f32::NAN; LANES]; 3],
-            to_center: [[[0.0; LANES]; 2]; 2],
-        };
-        for lane in 0..LANES {
-            if rays.valid.0[lane] == 0 {
-                continue;
-            }
-            let lens = &self.pixels.lenses[pixels.lens[lane] as usize].lens;
-            let middle = self.on_sensor(pixels, lane, lens);
-            let (mut on_sensor, mut center) = ([0.0; 2], [0.0; 2]);
-            let mut of_lens = [0.0; 2];
-            for axis in 0..2 {
-                let sign = if axis == 0 { 1.0 } else { -1.0 };
-                let place = f64::from(on_pixel[axis][lane]);
-                on_sensor[axis] = middle[axis] + sign * (place - 0.5) * width;
-                let start = cell(place, count) / f64::from(count);
-                center[axis] = middle[axis] + sign * (start + 0.5 / f64::from(count) - 0.5) * width;
-                of_lens[axis] = cell(f64::from(on_lens[axis][lane]), count);
-            }
-            let region = self.camera.relative_lit_region(lens, on_sensor);
-            let part = if region == self.whole.region {
-                self.whole.part(of_lens, count)
-            } else {
-                LensPart::new(&region, [of_lens[0] / f64::from(count), of_lens[1] / f64::from(count)], count)
-            };
-            let Some(part) = part else { continue };
-            let at = self.camera.relative_ray(lens, on_sensor, part.mean);
-            let beside = self.camera.relative_ray(lens, [on_sensor[0] + width, on_sensor[1]], part.mean);
-            let across = self.camera.relative_ray(lens, on_sensor, [part.mean[0] + unit, part.mean[1]]);
-            let to = self.camera.relative_ray(lens, center, part.mean);
-            let per_cell = 1.0 / f64::from(count);
-            out.on_sensor[0][lane] = ((beside.origin_m[0] - at.origin_m[0]) * per_cell) as f32;
-            out.on_sensor[1][lane] = ((beside.direction[0] - at.direction[0]) * per_cell) as f32;
-            out.on_lens[0][lane] = ((across.origin_m[0] - at.origin_m[0]) / unit) as f32;
-            out.on_lens[1][lane] = ((across.direction[0] - at.direction[0]) / unit) as f32;
-            for k in 0..3 {
-                out.lens_part[k][lane] = (12.0 * part.variances[k]) as f32;
-            }
-            out.to_center[0][0][lane] = (to.origin_m[0] - rays.exact.origin_x[lane]) as f32;
-            out.to_center[0][1][lane] = (to.origin_m[1] - rays.exact.origin_y[lane]) as f32;
-            out.to_center[1][0][lane] = (to.direction[0] - rays.exact.direction_x[lane]) as f32;
-            out.to_center[1][1][lane] = (to.direction[1] - rays.exact.direction_y[lane]) as f32;
-        }
-        out
-    }
-
     /// The chief rays: from the centers of the pixels through the centers of their microlenses.
     #[inline(always)]
     pub fn chief(&self, pixels: &RawPacket, packet: &mut RayHits) -> ExactRays {
-        let mut exact = NO_RAYS;
-        for lane in 0..LANES {
-            let lens = &self.pixels.lenses[pixels.lens[lane] as usize].lens;
-            let on_sensor = self.on_sensor(pixels, lane, lens);
-            let ray = self.camera.relative_ray(lens, on_sensor, [0.0; 2]);
-            exact.origin_x[lane] = ray.origin_m[0];
-            exact.origin_y[lane] = ray.origin_m[1];
-            exact.direction_x[lane] = ray.direction[0];
-            exact.direction_y[lane] = ray.direction[1];
-        }
+        let lenses = self.lenses(pixels);
+        let points = RayPoints { on_sensor: self.on_sensor(pixels, &lenses), ..RayPoints::NONE };
+        let exact = self.rays(&lenses, &points);
         self.write(&exact, packet);
         exact
     }

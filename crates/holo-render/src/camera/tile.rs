@@ -383,6 +383,17 @@ mod tests {
         assert_eq!(PacketShape::fitting([2000, 1, 1, 1]).size, [16, 1, 1, 1]);
     }
 
+    /// The tiles are as large as was asked for, also those of raw images, which have one axis of packets.
+    #[test]
+    fn tiles_are_as_large_as_wanted() {
+        for counts in [[1, 30_000, 1, 16], [500, 500, 9, 9], [50, 70, 100, 100]] {
+            let tiles = Tiling::with_tiles_of(counts, 8192).tiles();
+            let lanes: Vec<usize> = tiles.iter().map(|tile| tile.packet_count() * LANES).collect();
+            let whole = lanes.iter().filter(|&&lanes| (4096..=16_384).contains(&lanes)).count();
+            assert!(10 * whole > 9 * tiles.len(), "{counts:?}: {whole} of {} tiles", tiles.len());
+        }
+    }
+
     /// Every pixel lies in one tile, one packet and one lane, and is written to its own position.
     #[test]
     fn tiles_cover_every_pixel_once() {

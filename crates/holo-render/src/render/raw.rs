@@ -168,7 +168,7 @@ impl Renderer {
         let pixels = truth_pixels(request.camera, rows);
         let count = pixels.packets.len();
         let mut fields: Layers<Array5<f32>> =
-            request.layers.iter().map(|layer| (layer, Array5::zeros((count, 1, 1, LANES, layer.channels())))).collect();
+            request.layers.iter().map(|layer| (layer, Array5::zeros((1, count, 1, LANES, layer.channels())))).collect();
         let rays = PlenopticRays::new(request.camera, pixels);
         let context = self.raw_context(request, Integrator::Depth, rays, work);
         let mut outputs: Vec<AovTile> = Vec::new();
@@ -267,9 +267,14 @@ fn truth_rows(request: &RawRequest) -> Vec<Range<usize>> {
     (first..end).step_by(TRUTH_ROWS).map(|row| row..(row + TRUTH_ROWS).min(request.camera.sensor().size.rows)).collect()
 }
 
+/// Packets one after another, as the lenses of a row: of several rows a tile would have one packet.
+fn counts(packets: usize) -> [usize; 4] {
+    [1, packets, 1, LANES]
+}
+
 fn truth_counts(request: &RawRequest, rows: &Range<usize>) -> [usize; 4] {
     let blocks = rows.len().div_ceil(BLOCK) * request.camera.sensor().size.columns.div_ceil(BLOCK);
-    [blocks, 1, 1, LANES]
+    counts(blocks)
 }
 
 /// The pixels of some rows in blocks, each with the microlens that owns it.

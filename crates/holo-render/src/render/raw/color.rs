@@ -15,7 +15,7 @@ use super::super::request::{Denoise, Request};
 use super::super::rounds;
 use super::super::work::{TileOutput, Work};
 use super::{RawRequest, scatter, zeros};
-use crate::camera::plenoptic::{PlenopticRays, RawPacket, RawPixels};
+use crate::camera::plenoptic::{Order, PlenopticRays, RawPacket, RawPixels};
 use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
 use crate::film::error_distribution::ErrorDistribution;
@@ -30,6 +30,12 @@ use crate::simd::{self, LANES};
 
 /// The lines of microlenses that are rendered together, counted from line 0 of the array.
 const BAND_LINES: i32 = 16;
+
+/// A band is divided into at least this many tiles, unless they have fewer than [`FEWEST_PIXELS`].
+const BAND_TILES: usize = 32;
+
+/// The approximate number of pixels below which bands are not divided further.
+const FEWEST_PIXELS: usize = 1024;
 
 /// The channel of the guides that has no disparity: the weight of the samples that have color.
 const WEIGHT: usize = 1;
@@ -121,7 +127,7 @@ impl TileOutput for RawTile<'_> {
 impl Values {
     /// Zeros for what `image` has.
     fn new(packets: usize, image: &Sums) -> Self {
-        let zeros = |channels: usize| Array5::zeros((packets, 1, 1, LANES, channels));
+        let zeros = |channels: usize| Array5::zeros((1, packets, 1, LANES, channels));
         Self {
             color: zeros(3),
             guides: image.guides.as_ref().map(|_| zeros(guides::CHANNELS)),
@@ -214,9 +220,11 @@ impl<'a> RawColor<'a> {
         self.bands[..bands].iter().map(|band| self.tiling(band.packets).tiles().len()).sum()
     }
 
+    /// A band has so many tiles that the threads of most machines have work.
     fn tiling(&self, packets: usize) -> Tiling {
-        let pixels = path_tile_pixels(&self.request.transport, self.integrator);
-        Tiling::with_tiles_of([packets, 1, 1, LANES], pixels)
+        let share = (packets * LANES / BAND_TILES).max(FEWEST_PIXELS);
+        let pixels = path_tile_pixels(&self.request.transport, self.integrator).min(share);
+        Tiling::with_tiles_of(super::counts(packets), pixels)
     }
 
     /// Black.
@@ -320,12 +328,12 @@ impl<'a> RawColor<'a> {
     /// The values of an image for the pixels of packets; 0 beside the image.
     fn of_packets(&self, image: &Array3<f32>, packets: &[RawPacket]) -> Array5<f32> {
         let first = self.request.row_range().start;
-        let mut out = Array5::zeros((packets.len(), 1, 1, LANES, 1));
+        let mut out = Array5::zeros((1, packets.len(), 1, LANES, 1));
         for (k, packet) in packets.iter().enumerate() {
             for lane in 0..packet.count as usize {
                 let row = (packet.pixel[0][lane] as usize).checked_sub(first);
                 let value = row.and_then(|row| image.get([row, packet.pixel[1][lane] as usize, 0]));
-                out[[k, 0, 0, lane, 0]] = value.copied().unwrap_or(0.0);
+                out[[0, k, 0, lane, 0]] = value.copied().unwrap_or(0.0);
             }
         }
         out
@@ -422,7 +430,7 @@ fn openings_on_line(camera: &PlenopticCamera, line: i32) -> impl Iterator<Item =
 fn band_pixels(request: &RawRequest, band: &Band) -> RawPixels {
     let camera = request.camera;
     let of_line = |line: i32| {
-        let (mut scratch, mut pixels) = (Vec::new(), RawPixels::default());
+        let (mut scratch, mut pixels) = (Order::default(), RawPixels::default());
         for lens in openings_on_line(camera, line) {
             pixels.push_lens(camera, lens, &mut scratch);
         }
