@@ -113,6 +113,8 @@ fn look(scene: &Scene, pose: &Transform, rig: &Rig, [v, u, t, s]: [usize; 4]) ->
                 (Layer::ObjectId, one(number as f64 + 1.0)),
                 (Layer::MaterialId, one(mesh.material as f64 + 1.0)),
                 (Layer::HitMask, one(1.0)),
+                // The materials of the scene differ in this alone.
+                (Layer::Reflective, one(material.transmission.into())),
             ]
             .into_iter()
             .collect();
@@ -210,11 +212,11 @@ fn tolerance(layer: Layer, exact: f64, rig: &Rig) -> f64 {
         Layer::GeometricNormal => 6.0e-8,
         Layer::ShadingNormal => 8e-6,
         Layer::Albedo => 4e-6,
-        Layer::ObjectId | Layer::MaterialId | Layer::HitMask => 0.0,
+        Layer::ObjectId | Layer::MaterialId | Layer::HitMask | Layer::Reflective => 0.0,
     }
 }
 
-/// All nine layers of all pixels of all views. At most one pixel in a thousand may hit another triangle: backends in
+/// All layers of all pixels of all views. At most one pixel in a thousand may hit another triangle: backends in
 /// f32 classify rays within rounding of an edge differently, and a ball has many edges.
 #[test]
 fn layers_agree_with_the_reference_implementation() {

@@ -27,7 +27,7 @@ use holo_io::WorldUp;
 use holo_render::Backend;
 
 use choices::{BACKENDS, LAYOUTS, WORLD_UPS, choice};
-use headings::{CAMERA, FILES, RUNNING};
+use headings::{CAMERA, FILES, QUALITY, RUNNING};
 
 pub use array::{ArrayOptions, SurfaceArgument};
 pub use camera::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
@@ -43,7 +43,7 @@ pub use spec::open_camera;
 pub use tools::{
     ApertureArgument, DepthOptions, EpiOptions, EvalOptions, InputOptions, NormalsArgument, RefocusOptions,
 };
-pub use values::{Crop, Pair, Places};
+pub use values::{Crop, Pair, Places, Seeds};
 
 /// Light-field images of holoscopic (integral, plenoptic) cameras: render them from glTF scenes with exact depth and
 /// disparity, convert, refocus, estimate and score.
@@ -132,7 +132,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "FILE", help_heading = RUNNING)]
     pub config: Option<PathBuf>,
     /// Settings with a name: draft, clean, reference, hci, urbanlf, paper-8k.
-    #[arg(long, value_name = "NAME", value_parser = preset, help_heading = "Quality", long_help = preset_help())]
+    #[arg(long, value_name = "NAME", value_parser = preset, help_heading = QUALITY, long_help = preset_help())]
     pub preset: Option<&'static Preset>,
     /// Plenoptic camera instead of a rig of views.
     ///
@@ -152,6 +152,9 @@ pub struct RenderOptions {
     pub transforms_up: WorldUp,
     #[command(flatten)]
     pub settings: Settings<OfRender>,
+    /// Render with several seeds, such as 0-4 or 1,5,9, each into DIR/seed_N: images whose noise is independent.
+    #[arg(long, value_name = "A-B|N,..", value_parser = Seeds::from_str, conflicts_with = "seed", help_heading = QUALITY, hide_short_help = true)]
+    pub seeds: Option<Seeds>,
     /// Render part K of N only.
     ///
     /// Rows of microlenses or of a sensor's pixels, which `holo merge` joins; of several frames or poses every N-th, whole.

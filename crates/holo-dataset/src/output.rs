@@ -8,6 +8,7 @@ mod files;
 mod folder;
 mod images;
 pub(crate) mod layers;
+mod masks;
 mod memory;
 mod motion;
 mod names;

@@ -95,6 +95,29 @@ pub struct Setting {
     set: fn(&mut RenderSettings, &str) -> Result<(), Malformed>,
 }
 
+/// What a setting is about, as a person decides it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// How a scene file is read.
+    Scene,
+    /// Where the camera of a scene stands.
+    Viewpoint,
+    /// A rig of pinhole cameras; some of these also change a plenoptic camera.
+    Rig,
+    /// The light that is simulated.
+    Light,
+    /// The samples of light, and what is left of their noise.
+    Quality,
+    /// The files.
+    Files,
+}
+
+/// The keys of [`Group::Viewpoint`].
+const VIEWPOINT: [&str; 6] = ["camera", "eye", "target", "up", "fov-deg", "fit-object"];
+
+/// The keys of [`Group::Quality`].
+const QUALITY: [&str; 6] = ["spp", "target-error", "denoise", "reuse", "texture-filter", "seed"];
+
 /// Returns all settings, group by group.
 pub fn table() -> impl Iterator<Item = &'static Setting> + Clone {
     table::TABLE.into_iter().flatten()
@@ -105,6 +128,19 @@ impl Setting {
     #[must_use]
     pub fn by_key(key: &str) -> Option<&'static Self> {
         table().find(|setting| setting.key == key)
+    }
+
+    /// Returns what it is about.
+    #[must_use]
+    pub fn group(&self) -> Group {
+        let has = |settings: &[Self]| settings.iter().any(|setting| setting.key == self.key);
+        let groups = [Group::Scene, Group::Rig, Group::Light, Group::Files];
+        match table::TABLE.into_iter().zip(groups).find(|(settings, _)| has(settings)) {
+            _ if VIEWPOINT.contains(&self.key) => Group::Viewpoint,
+            _ if QUALITY.contains(&self.key) => Group::Quality,
+            Some((_, group)) => group,
+            None => Group::Files,
+        }
     }
 
     /// Returns the name in manifests, configuration files and, after `--`, on the command line.

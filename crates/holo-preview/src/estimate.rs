@@ -4,7 +4,7 @@ use holo_dataset::{Camera, Output, Prepared, RenderSettings, SceneSource};
 use holo_render::{Denoise, Integrator};
 use serde_json::{Value, json};
 
-use crate::job::{OF_RIG, OWN_CAMERA};
+use crate::job::{OWN_CAMERA, is_of_rig};
 use crate::protocol::Look;
 use crate::raw_part::Strip;
 
@@ -91,7 +91,7 @@ pub(crate) fn commands(source: &SceneSource, look: &Look, settings: &RenderSetti
         ("", _) => None,
         (preset, _) => Some(preset.to_owned()),
     };
-    let is_used = |key: &str| look.camera.is_empty() || !OF_RIG.contains(&key);
+    let is_used = |key: &str| look.camera.is_empty() || !is_of_rig(key);
     let given = || look.settings.iter().filter(|(key, text)| !text.trim().is_empty() && is_used(key));
     let mut shell = format!("{first}holo render {} --out {}", quoted(&path), quoted(&name));
     let mut python = format!("holo.render_to({}, {}", python_text(&name), python_text(&path));

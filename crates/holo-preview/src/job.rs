@@ -1,6 +1,6 @@
 //! From the state of a page to a render job. Here is decided what a page may ask for.
 
-use holo_dataset::settings::{Given, spelled};
+use holo_dataset::settings::{Given, Group, Setting, spelled};
 use holo_dataset::{RenderJob, RenderSettings, SceneSource, Sky, adjusted_camera};
 use holo_io::CameraFile;
 
@@ -45,9 +45,12 @@ pub const SETTINGS: [&str; 30] = [
     "reuse",
 ];
 
-/// Those that only a rig has.
-pub(crate) const OF_RIG: [&str; 9] =
-    ["views", "sensor", "lenses", "baseline-m", "disparity", "focal-mm", "sensor-mm", "projection", "fov-deg"];
+/// Whether only a rig has a setting.
+pub(crate) fn is_of_rig(key: &str) -> bool {
+    let is_in_group = Setting::by_key(key).is_some_and(|setting| setting.group() == Group::Rig);
+    // A plenoptic camera has its own angle of view.
+    key == "fov-deg" || is_in_group && !["f-number", "focus-m"].contains(&key)
+}
 
 /// The scene of a look, and a key that differs for other scenes.
 pub(crate) fn scene(look: &Look, preview: &Preview, inbox: &Inbox) -> Result<(SceneSource, String), String> {
@@ -93,7 +96,7 @@ pub(crate) fn given(look: &Look, preview: &Preview) -> Result<Given, String> {
         if !SETTINGS.contains(&key.as_str()) {
             return Err(format!("the page cannot set '{}'", holo_core::shown(key)));
         }
-        if is_raw && OF_RIG.contains(&key.as_str()) {
+        if is_raw && is_of_rig(key) {
             continue;
         }
         let is_own = preview.given.get(key) == Some(text.as_str());

@@ -48,7 +48,9 @@ def test_threads_and_backends(garden, rendering, options):
     one = holo.render(garden, threads=1, **options)
     assert np.array_equal(one.light_field.array, rendering.light_field.array)
     slow = holo.render(garden, backend="bvh", integrator="depth", **options)
-    assert slow.light_field is None
+    assert slow.color is None
+    with pytest.raises(holo.UsageError, match="no color"):
+        slow.light_field.lenses  # noqa: B018
     assert np.mean(np.abs(slow.disparity - rendering.disparity) < 1e-4) > 0.99
 
 

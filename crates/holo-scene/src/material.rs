@@ -67,6 +67,21 @@ pub struct Material {
     pub unlit: bool,
 }
 
+/// A highlight of a roughness below this shows what is mirrored in it.
+const MIRRORING: f32 = 0.3;
+
+impl Material {
+    /// Returns whether the surface mirrors light, as metal, glaze and water do, or lets it pass, as glass and veils do:
+    /// what the surface shows then lies at another depth. By the numbers of the material, whatever its textures are.
+    #[must_use]
+    pub fn is_reflective(&self) -> bool {
+        let is_coated = self.clearcoat.is_some_and(|coat| coat.factor >= 0.5);
+        let is_glossy = self.specular > 0.0 && self.roughness < MIRRORING;
+        let mirrors = self.metallic >= 0.5 || is_coated || is_glossy || self.iridescence.is_some();
+        !self.unlit && (mirrors || self.transmission >= 0.5) || self.alpha == Alpha::Blend
+    }
+}
+
 /// The absorbing volume inside a body of glass. The surface must be closed; it may lie inside another body,
 /// but not touch it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -321,6 +336,31 @@ impl Material {
         }
         for (name, used) in all {
             *used = change(name, *used);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_mirrors_or_lets_light_pass_is_reflective() {
+        let plain = Material::default();
+        let coat = |factor| Some(Clearcoat { factor, ..Clearcoat::default() });
+        for (is_reflective, material) in [
+            (false, plain.clone()),
+            (false, Material { specular: 1.0, roughness: 0.5, ..plain.clone() }),
+            (true, Material { specular: 1.0, roughness: 0.1, ..plain.clone() }),
+            (true, Material { metallic: 1.0, roughness: 0.9, ..plain.clone() }),
+            (true, Material { transmission: 1.0, ..plain.clone() }),
+            (true, Material { clearcoat: coat(1.0), ..plain.clone() }),
+            (false, Material { clearcoat: coat(0.1), ..plain.clone() }),
+            (true, Material { alpha: Alpha::Blend, ..plain.clone() }),
+            (false, Material { alpha: Alpha::Mask(0.5), ..plain.clone() }),
+            (false, Material { metallic: 1.0, unlit: true, ..plain }),
+        ] {
+            assert_eq!(material.is_reflective(), is_reflective, "{material:?}");
         }
     }
 }

@@ -7,11 +7,12 @@ use clap::Args;
 use holo_core::GridSize;
 
 use holo_dataset::Shard;
-use holo_dataset::settings::not_negative;
+use holo_dataset::settings::{Preset, not_negative};
 use holo_io::WorldUp;
 
 use super::choices::{WORLD_UPS, choice};
-use super::{EngineOptions, OfDataset, Settings};
+use super::headings::QUALITY;
+use super::{EngineOptions, OfDataset, Settings, preset, preset_help};
 
 /// Every option can also stand in a TOML file, under its long name; the command line wins.
 #[derive(Args, Clone, Debug)]
@@ -22,7 +23,11 @@ pub struct DatasetOptions {
     /// TOML file with options: `spp = 64`, `scenes = ["garden", "chess"]`.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Built-in scenes, separated by commas, or `none` [default: all, or none with --glb; `holo scene` lists them].
+    /// Settings with a name: draft, clean, reference, hci, urbanlf, paper-8k.
+    #[arg(long, value_name = "NAME", value_parser = preset, help_heading = QUALITY, long_help = preset_help())]
+    pub preset: Option<&'static Preset>,
+    /// Built-in scenes, separated by commas, `paper` for the fifteen of the paper's dataset, or `none` [default: all, or none
+    /// with --glb; `holo scene` lists them].
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub scenes: Vec<String>,
     /// Your own scenes, .glb or .gltf; each is named after its file.
@@ -31,8 +36,9 @@ pub struct DatasetOptions {
     /// With --glb: all built-in scenes too.
     #[arg(long, conflicts_with = "scenes")]
     pub gallery: bool,
-    /// Numbers of views, each columns x rows or one number for both, separated by commas: every scene is rendered with each.
-    #[arg(long = "views", alias = "splits", value_name = "SxT|N,..", value_delimiter = ',', default_value = "20,40,60,80,100", value_parser = GridSize::from_str)]
+    /// Numbers of views, each columns x rows or one number for both, separated by commas: every scene is rendered with each
+    /// [default: that of --preset, else 20,40,60,80,100].
+    #[arg(long = "views", alias = "splits", value_name = "SxT|N,..", value_delimiter = ',', value_parser = GridSize::from_str)]
     pub view_counts: Vec<GridSize>,
     /// Plenoptic cameras instead of rigs of views, separated by commas: camera files (TOML) or presets of `holo camera`.
     /// Every scene is rendered with each, into a folder with the name of the camera; --focus-m and --f-number replace

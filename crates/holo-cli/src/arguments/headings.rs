@@ -1,5 +1,7 @@
 //! The groups of options in help texts, by what a person decides, and the options that the short help (`-h`) has.
 
+use holo_dataset::settings::Group;
+
 /// The heading of options about a run: threads, parts, what is printed.
 pub const RUNNING: &str = "Running";
 
@@ -9,49 +11,8 @@ pub const FILES: &str = "Files";
 /// The heading of options about the camera.
 pub const CAMERA: &str = "Camera";
 
-/// Settings by heading; all others are about files.
-const GROUPS: [(&str, &[&str]); 4] = [
-    ("Scene", &["light-units", "solid-glass", "material-variant", "ground", "frame", "fps", "animation"]),
-    (
-        CAMERA,
-        &[
-            "camera",
-            "eye",
-            "target",
-            "up",
-            "fov-deg",
-            "fit-object",
-            "views",
-            "sensor",
-            "lenses",
-            "lens-shifts",
-            "f-number",
-            "baseline-m",
-            "disparity",
-            "focus-m",
-            "focal-mm",
-            "sensor-mm",
-            "projection",
-            "subset",
-        ],
-    ),
-    (
-        "Light",
-        &[
-            "integrator",
-            "max-bounces",
-            "no-roulette",
-            "no-indirect",
-            "indirect-limit",
-            "transparent-shadows",
-            "no-multiple-scattering",
-            "cull",
-            "sky",
-            "backdrop",
-        ],
-    ),
-    ("Quality", &["spp", "target-error", "denoise", "reuse", "texture-filter", "seed"]),
-];
+/// The heading of options about samples and noise.
+pub const QUALITY: &str = "Quality";
 
 /// What most people set.
 const COMMON: [&str; 22] = [
@@ -79,9 +40,15 @@ const COMMON: [&str; 22] = [
     "bit-depth",
 ];
 
-/// The heading of a setting.
-pub fn of(key: &str) -> &'static str {
-    GROUPS.iter().find(|(_, keys)| keys.contains(&key)).map_or(FILES, |(heading, _)| heading)
+/// The heading of a group of settings.
+pub fn of(group: Group) -> &'static str {
+    match group {
+        Group::Scene => "Scene",
+        Group::Viewpoint | Group::Rig => CAMERA,
+        Group::Light => "Light",
+        Group::Quality => QUALITY,
+        Group::Files => FILES,
+    }
 }
 
 /// Whether the short help has a setting.

@@ -5,15 +5,15 @@ use std::marker::PhantomData;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use holo_dataset::settings::{Given, Kind, Setting, table};
+use holo_dataset::settings::{Given, Group, Kind, Setting, table};
 
 use super::headings;
 use crate::failure::Failure;
 
 /// Which settings a command has.
 pub trait Scope: Clone + std::fmt::Debug {
-    /// Whether it has the setting of this key.
-    fn has(key: &str) -> bool;
+    /// Whether it has a setting.
+    fn has(setting: &Setting) -> bool;
 
     /// The help of a setting whose default or effect is another one here than the table says.
     fn help(_: &str) -> Option<String> {
@@ -51,61 +51,40 @@ pub struct OfPreview;
 #[derive(Clone, Debug)]
 pub struct OfOptics;
 
-/// Settings of a scene file.
-const SCENE: [&str; 7] = ["light-units", "solid-glass", "material-variant", "frame", "fps", "animation", "ground"];
-
-/// Settings that place the camera of a scene.
-const VIEWPOINT: [&str; 6] = ["camera", "eye", "target", "up", "fov-deg", "fit-object"];
-
-/// Settings of a rig.
-const RIG: [&str; 12] = [
-    "sensor",
-    "f-number",
-    "focus-m",
-    "disparity",
-    "views",
-    "lenses",
-    "lens-shifts",
-    "baseline-m",
-    "focal-mm",
-    "sensor-mm",
-    "projection",
-    "subset",
-];
-
 impl Scope for OfRender {
-    fn has(_: &str) -> bool {
+    fn has(_: &Setting) -> bool {
         true
     }
 }
 
 impl Scope for OfDataset {
-    fn has(key: &str) -> bool {
+    fn has(setting: &Setting) -> bool {
         let of_all = ["sensor", "lenses", "f-number", "focus-m", "disparity"];
-        of_all.contains(&key) || !(RIG.contains(&key) || VIEWPOINT.contains(&key))
+        of_all.contains(&setting.key()) || !matches!(setting.group(), Group::Rig | Group::Viewpoint)
     }
 
     fn help(key: &str) -> Option<String> {
-        let lenses = "With `transforms`: pixels of a view, columns x rows, where the file says no size";
+        let lenses =
+            "Pixels of a view, columns x rows, instead of `sensor`; with `transforms` where the file says no size";
         (key == "lenses").then(|| lenses.to_owned())
     }
 }
 
 impl Scope for OfInfo {
-    fn has(key: &str) -> bool {
-        SCENE.contains(&key) || VIEWPOINT.contains(&key) || RIG.contains(&key)
+    fn has(setting: &Setting) -> bool {
+        matches!(setting.group(), Group::Scene | Group::Viewpoint | Group::Rig)
     }
 }
 
 impl Scope for OfPreview {
-    fn has(key: &str) -> bool {
-        holo_preview::SETTINGS.contains(&key)
+    fn has(setting: &Setting) -> bool {
+        holo_preview::SETTINGS.contains(&setting.key())
     }
 }
 
 impl Scope for OfOptics {
-    fn has(key: &str) -> bool {
-        RIG.contains(&key) && !["lens-shifts", "projection", "subset"].contains(&key)
+    fn has(setting: &Setting) -> bool {
+        setting.group() == Group::Rig && !["lens-shifts", "projection", "subset"].contains(&setting.key())
     }
 
     fn help(key: &str) -> Option<String> {
@@ -120,7 +99,7 @@ impl<S: Scope> Settings<S> {
     }
 
     fn table() -> impl Iterator<Item = &'static Setting> {
-        table().filter(|setting| S::has(setting.key()))
+        table().filter(|setting| S::has(setting))
     }
 }
 
@@ -159,14 +138,14 @@ impl<S: Scope> Args for Settings<S> {
 
 /// Makes the argument of a setting of a command with these settings.
 fn argument<S: Scope>(setting: &'static Setting) -> Arg {
-    let others = table().filter(|other| S::has(other.key()) && setting.excludes(other)).map(Setting::key);
+    let others = table().filter(|other| S::has(other) && setting.excludes(other)).map(Setting::key);
     let help = S::help(setting.key()).map_or_else(|| setting.help(), |own| vec![own]);
     let paragraphs: Vec<String> = help.iter().map(|text| Failure::spelled(text)).collect();
     let mut argument = Arg::new(setting.key())
         .long(setting.key())
         .help(headings::brief(&paragraphs[0]).to_owned())
         .long_help(without_stop(&paragraphs.join("\n\n")))
-        .help_heading(headings::of(setting.key()))
+        .help_heading(headings::of(setting.group()))
         .hide_short_help(!headings::is_common(setting.key()))
         // Numbers may be negative.
         .allow_hyphen_values(matches!(

@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 
+use holo_core::GridSize;
 use holo_dataset::{DatasetCameras, EngineSettings, RenderSettings, RigSettings, adjusted_camera};
 use holo_io::CameraFile;
 
@@ -34,6 +35,9 @@ impl RenderOptions {
     }
 }
 
+/// The numbers of views of the paper, along each axis.
+const VIEW_COUNTS: [usize; 5] = [20, 40, 60, 80, 100];
+
 /// The pixels of a sensor whose images take minutes.
 const MANY_PIXELS: usize = 1 << 28;
 
@@ -52,6 +56,11 @@ impl DatasetOptions {
     pub fn settings(&self) -> Result<(DatasetCameras, RenderSettings), Failure> {
         let mut given = self.settings.given().clone();
         let mut settings = RenderSettings::default();
+        if let Some(preset) = self.preset {
+            given = given.over(preset.given());
+        }
+        settings.preset = self.preset;
+        let views = self.views(given.remove("views"))?;
         let files = self.camera_file.iter().map(|path| Ok(adjusted_camera(open_camera(path)?, &mut given.clone())?));
         let files = files.collect::<Result<Vec<_>, Failure>>()?;
         if let Some(first) = files.first() {
@@ -64,7 +73,7 @@ impl DatasetOptions {
         match &self.transforms {
             Some(path) => {
                 // Light fields instead of single images; every job has its own number of views.
-                if let (true, Some(views)) = (files.is_empty(), self.view_counts.first()) {
+                if let (true, Some(views)) = (files.is_empty(), views.first()) {
                     given.insert("views", views.to_string())?;
                 }
                 settings.apply_at_poses(given, path, self.transforms_up)?;
@@ -72,10 +81,19 @@ impl DatasetOptions {
             None => settings.apply(&given)?,
         }
         let cameras = match files.is_empty() {
-            true => DatasetCameras::Views(self.view_counts.clone()),
+            true => DatasetCameras::Views(views),
             false => DatasetCameras::Plenoptic(files),
         };
         Ok((cameras, settings))
+    }
+
+    /// The numbers of views, of which a preset has one.
+    fn views(&self, of_preset: Option<String>) -> Result<Vec<GridSize>, Failure> {
+        match (self.view_counts.as_slice(), of_preset) {
+            ([], Some(one)) => Ok(vec![one.parse().map_err(|why| Failure::Usage(format!("{why}")))?]),
+            ([], None) => Ok(VIEW_COUNTS.map(|count| GridSize::new(count, count)).into()),
+            (counts, _) => Ok(counts.to_vec()),
+        }
     }
 }
 

@@ -72,6 +72,38 @@ pub fn html(text: &str) -> Result<PathBuf, String> {
     ending_in(text, &["html", "htm"], "a page is written; end the name in .html")
 }
 
+/// Several seeds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Seeds(pub Vec<u64>);
+
+/// No more images than this by one command.
+const MOST_SEEDS: usize = 10_000;
+
+impl FromStr for Seeds {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |text: &str| text.trim().parse::<u64>().map_err(|_| "write seeds as 0-4, or as 1,5,9".to_owned());
+        let seeds: Vec<u64> = match text.split_once('-') {
+            Some((first, last)) => {
+                let (first, last) = (number(first)?, number(last)?);
+                if last < first {
+                    return Err(format!("no seed is from {first} to {last}; write the smaller one first"));
+                }
+                (first..=last).take(MOST_SEEDS + 1).collect()
+            }
+            None => text.split(',').map(number).collect::<Result<_, _>>()?,
+        };
+        if seeds.len() > MOST_SEEDS {
+            return Err(format!("these are more than {MOST_SEEDS} seeds; give fewer"));
+        }
+        match seeds.iter().enumerate().find(|(k, seed)| seeds[..*k].contains(seed)) {
+            Some((_, seed)) => Err(format!("seed {seed} is there twice")),
+            None => Ok(Self(seeds)),
+        }
+    }
+}
+
 /// Any finite number.
 pub fn finite(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

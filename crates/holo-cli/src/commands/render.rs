@@ -3,19 +3,31 @@
 use std::path::PathBuf;
 
 use holo_dataset::{
-    Checkpoints, Deduplicated, Event, RenderJob, RenderReport, RunOptions, SceneSource, Shot, ShotOutcome,
+    Checkpoints, Deduplicated, Event, RenderJob, RenderReport, RenderSettings, RunOptions, SceneSource, Shot,
+    ShotOutcome,
 };
 use holo_io::dataset::SEQUENCE_HDF5;
 use serde_json::{Value, json};
 
-use crate::arguments::RenderOptions;
+use crate::arguments::{RenderOptions, Seeds};
 use crate::console::{out, peak_rss_bytes, say, say_unless};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::progress::{Bar, Overall};
 
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
-    let job = RenderJob::new(SceneSource::File(options.scene.clone()), options.settings()?)
+    let settings = options.settings()?;
+    let Some(Seeds(seeds)) = &options.seeds else { return render(options, settings) };
+    for &seed in seeds {
+        let mut settings = settings.clone();
+        settings.light.seed = seed;
+        render(&RenderOptions { out: options.out.join(format!("seed_{seed}")), ..options.clone() }, settings)?;
+    }
+    Ok(())
+}
+
+fn render(options: &RenderOptions, settings: RenderSettings) -> Result<(), Failure> {
+    let job = RenderJob::new(SceneSource::File(options.scene.clone()), settings)
         .engine(options.engine.settings())
         .checkpoints(Checkpoints::every_seconds(options.checkpoint));
     if job.shots().len() > 1 { many(options, &job) } else { one(options, &job) }

@@ -48,6 +48,41 @@ fn a_dataset_has_the_folders_of_the_paper_and_tells_what_it_is() {
     assert!(outcome.stdout.contains("4 folders with 32 files"), "{outcome:?}");
 }
 
+/// A preset is of a dataset what it is of a render: settings, and a number of views, below the options beside it.
+#[test]
+fn a_preset_makes_a_dataset_like_those_of_a_benchmark() {
+    let bench = Bench::new();
+    let run = |more: &str| {
+        let outcome = bench.run(&format!("dataset --scenes none --glb tiny.glb --spp 1 --preset hci --quiet {more}"));
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    };
+    run("--out set --lenses 24x20");
+    let list = bench.list("set/tiny/9x9");
+    for file in
+        ["scene_disparity.pfm", "scene_depth.pfm", "scene_hit_mask.png", "hci/input_Cam080.png", "masks/plane.png"]
+    {
+        assert!(list.contains(&file.to_owned()), "{file}: {list:?}");
+    }
+    assert!(!list.contains(&"scene_5d.mat".to_owned()), "a preset says what is written");
+    let index = holo_io::dataset::DatasetIndex::read(bench.path("set")).unwrap();
+    assert_eq!((index.options["disparity"].as_str(), index.options["lenses"].as_str()), ("-1.5,1.5", "24x20"));
+    let manifest = std::fs::read_to_string(bench.path("set/tiny/9x9/manifest.json")).unwrap();
+    let manifest: Value = serde_json::from_str(&manifest).unwrap();
+    assert!(manifest["settings"]["preset"]["hci"].is_object(), "{manifest}");
+    // One of the render has the same pixels.
+    let outcome = bench.run("render tiny.glb --spp 1 --preset hci --lenses 24x20 --out one --quiet");
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    for file in ["scene_disparity.pfm", "hci/input_Cam040.png"] {
+        let read = |folder: &str| std::fs::read(bench.path(format!("{folder}/{file}"))).unwrap();
+        assert!(read("one") == read("set/tiny/9x9"), "{file}");
+    }
+    // Whoever gives views or a sensor wants those.
+    run("--out other --views 2,3 --sensor 60x40");
+    let folders = bench.list("other");
+    assert!(folders.contains(&"tiny/2x2/".to_owned()) && folders.contains(&"tiny/3x3/".to_owned()), "{folders:?}");
+    assert!(!folders.contains(&"tiny/9x9/".to_owned()), "{folders:?}");
+}
+
 #[test]
 fn what_is_done_is_kept_and_a_changed_setting_redoes_what_it_touches() {
     let bench = Bench::new();
@@ -210,9 +245,14 @@ fn poses_are_scenes_of_a_dataset() {
         let outcome = bench.run(&format!("{rig} --out other {more}"));
         assert!(outcome.code == Some(2) && outcome.stderr.contains(part), "{more}: {outcome:?}");
     }
-    let outcome = bench.run(&format!("{scenes} --lenses 12x8 --views 3 --out other"));
-    assert!(outcome.code == Some(2) && outcome.stderr.contains("--sensor"), "{outcome:?}");
     assert!(!bench.path("other").exists());
+    // Without poses views may have a size, too.
+    let outcome = bench.run(&format!("{scenes} --lenses 12x8 --views 2,3 --out sized --quiet"));
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    for views in ["2x2", "3x3"] {
+        let disparity = bench.path(format!("sized/tiny/{views}/scene_disparity.pfm"));
+        assert_eq!(holo_io::read_pfm(disparity, &holo_io::Limits::default()).unwrap().values.dim(), (8, 12, 1));
+    }
 }
 
 #[test]

@@ -58,6 +58,29 @@ fn the_seed_chooses_the_noise() {
 }
 
 #[test]
+fn several_seeds_are_the_renders_of_each() {
+    let bench = Bench::new();
+    let render = format!("render {} {} {NOISY} --quiet", common::SCENE, common::SMALL);
+    let outcome = bench.run(&format!("{render} --seeds 1-2 --out seeds"));
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let two = rendered(&bench, "two", &format!("{NOISY} --seed 2"));
+    assert!(bench.bytes("seeds/seed_2") == two, "as by --seed 2");
+    assert!(bench.bytes("seeds/seed_1")["scene_el.png"] != two["scene_el.png"], "another seed, other noise");
+    assert!(!bench.path("seeds/seed_3").exists() && !bench.path("seeds/manifest.json").exists());
+    for (seeds, said) in [
+        ("--seeds 2-1", "the smaller one first"),
+        ("--seeds 1,x", "0-4"),
+        ("--seeds 3,1,3", "seed 3 is there twice"),
+        ("--seeds 0-99999999999", "more than 10000"),
+        ("--seeds 1-2 --seed 1", "--seed"),
+    ] {
+        let outcome = bench.run(&format!("{render} {seeds} --out no"));
+        assert!(outcome.code == Some(2) && outcome.stderr.contains(said), "{seeds}: {outcome:?}");
+        assert!(!bench.path("no").exists());
+    }
+}
+
+#[test]
 fn the_date_comes_from_the_environment_or_not_at_all() {
     let bench = Bench::new();
     bench.render("plain", "");

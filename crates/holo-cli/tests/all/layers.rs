@@ -1,12 +1,12 @@
 //! Layers by name: which files come of `--layers` and `--write exr`, and what is in them.
 
-use crate::common::{Bench, DEFAULT_FILES, SCENE, SMALL, small_split};
+use crate::common::{Bench, DEFAULT_FILES, SCENE, SMALL, read_u8, small_split};
 use crate::python;
 use holo_io::{Limits, Manifest, ManifestValue, read_exr, read_pfm};
-use ndarray::{Array3, s};
+use ndarray::{Array3, Axis, s};
 
 /// The files of one layer each, in alphabetical order.
-const ALL_MAPS: [&str; 10] = [
+const ALL_MAPS: [&str; 11] = [
     "scene_albedo.pfm",
     "scene_color.pfm",
     "scene_depth.pfm",
@@ -16,6 +16,7 @@ const ALL_MAPS: [&str; 10] = [
     "scene_material_id.pfm",
     "scene_object_id.pfm",
     "scene_ray_length.pfm",
+    "scene_reflective.pfm",
     "scene_shading_normal.pfm",
 ];
 
@@ -127,6 +128,36 @@ fn all_views_have_a_folder_for_every_layer() {
     assert_eq!(bench.run("verify out").code, Some(0));
 }
 
+/// The masks lie in a folder, follow from the layers, and are refused where there is no grid of views.
+#[test]
+fn masks_say_which_pixels_are_hard() {
+    let bench = Bench::new();
+    let render = format!("render {SCENE} --lenses 96x64 --views 5 --baseline-m 0.05 --quiet --write masks");
+    assert_eq!(bench.run(&format!("{render} --out out --layers hit-mask,visibility")).code, Some(0));
+    let expected = ["discontinuity", "occluded", "plane", "reflective", "textureless", "valid"];
+    assert_eq!(bench.list("out/masks"), expected.map(|name| format!("{name}.png")));
+    let mask = |name: &str| read_u8(bench.path(format!("out/masks/{name}.png"))).index_axis_move(Axis(2), 0);
+    let layer = |name: &str| map(&bench, &format!("out/scene_{name}.pfm")).index_axis_move(Axis(2), 0);
+    let (valid, occluded) = (mask("valid"), mask("occluded"));
+    let (hit, seen) = (layer("hit_mask"), layer("visibility"));
+    for (place, &hit) in hit.indexed_iter() {
+        assert_eq!(valid[place], if hit > 0.0 { 255 } else { 0 });
+        assert_eq!(occluded[place] > 0, hit > 0.0 && seen[place] <= 0.75, "{place:?}");
+        assert_eq!(mask("reflective")[place], 0, "all materials are diffuse");
+    }
+    for name in ["discontinuity", "plane", "occluded"] {
+        assert!(mask(name).iter().any(|&code| code > 0) && mask(name).iter().any(|&code| code == 0), "{name}");
+    }
+    assert_eq!(bench.run("verify out").code, Some(0));
+    // Nobody asked for visibility itself.
+    assert_eq!(bench.run(&format!("{render} --out alone")).code, Some(0));
+    assert!(!bench.list("alone").contains(&"scene_visibility.pfm".to_owned()));
+    let read = |out: &str| std::fs::read(bench.path(out).join("masks/occluded.png")).unwrap();
+    assert!(read("alone") == read("out"));
+    let outcome = bench.run("render tiny.glb --out raw --camera-file lytro-illum --write masks");
+    assert!(outcome.code == Some(2) && outcome.stderr.contains("--write masks"), "{outcome:?}");
+}
+
 #[test]
 fn one_exr_holds_all_of_the_central_view() {
     let bench = Bench::new();
@@ -136,7 +167,7 @@ fn one_exr_holds_all_of_the_central_view() {
         assert!(bench.list(out).contains(&"scene_central.exr".to_owned()));
         assert!(!bench.list(out).contains(&"scene_el.png".to_owned()));
         let image = read_exr(bench.path(out).join("scene_central.exr"), &Limits::default()).unwrap();
-        assert_eq!(image.channels.len(), 21);
+        assert_eq!(image.channels.len(), 22);
         for (pass, components, file) in [
             ("Combined", "RGB", "color"),
             ("Depth", "Z", "depth"),
@@ -148,6 +179,7 @@ fn one_exr_holds_all_of_the_central_view() {
             ("IndexOB", "X", "object_id"),
             ("IndexMA", "X", "material_id"),
             ("HitMask", "X", "hit_mask"),
+            ("Reflective", "X", "reflective"),
         ] {
             let expected = map(&bench, &format!("maps/scene_{file}.pfm"));
             for (c, component) in components.chars().enumerate() {
@@ -164,7 +196,7 @@ fn one_exr_holds_all_of_the_central_view() {
     }
     bench.render("truth", "--write exr --integrator depth");
     let image = read_exr(bench.path("truth/scene_central.exr"), &Limits::default()).unwrap();
-    assert_eq!(image.channels.len(), 15, "no color, no Combined");
+    assert_eq!(image.channels.len(), 16, "no color, no Combined");
     let outcome = bench.run("info truth/scene_central.exr");
     assert!(outcome.code == Some(0) && outcome.stdout.contains("ViewLayer.Depth.Z"), "{outcome:?}");
     assert_eq!(small_split().lenses().columns, image.channels[0].1.dim().1);

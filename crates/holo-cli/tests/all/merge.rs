@@ -12,7 +12,7 @@ fn parts_make_the_whole() {
         ("--lenses 40x190 --views 3x2 --spp 5 --sky 0.2,0.3,0.4 --ground-truth all --layers all", 4),
         ("--lenses 40x31 --views 4 --spp 64 --target-error 0.1 --sky 0.2,0.3,0.4 --bit-depth 16 --exposure -1", 2),
         // Parts render the margin that the reconstruction needs.
-        ("--lenses 12x36 --views 9 --spp 2 --denoise views --layers color,visibility,error --write el,exr", 2),
+        ("--lenses 12x36 --views 9 --spp 2 --denoise views --layers color,visibility,error --write el,exr,masks", 2),
         ("--lenses 12x16 --lens-shifts 2 --views 5 --spp 3 --write el,vpi,exr", 2),
         ("--lenses 25x450 --views 1 --integrator depth", 3),
         ("--lenses 30x40 --views 5x4 --max-bounces 3 --integrator path --write hci --ground-truth all", 2),

@@ -79,9 +79,8 @@ fn rigs(views: &[GridSize], settings: &RenderSettings) -> Result<Vec<Planned>, E
         let shape = match (settings.poses.cameras(), rig.pixels) {
             (Some(array), pixels) => LightFieldShape::new(views, size_of_poses(array, pixels)?)?,
             (None, Pixels::Sensor(sensor)) => sensor.divide(views, Remainder::Crop)?.shape,
-            (None, Pixels::Lenses(_) | Pixels::OfPoses) => {
-                return bad("a dataset divides one sensor by several numbers of views; give `sensor`");
-            }
+            (None, Pixels::Lenses(lenses)) => LightFieldShape::new(views, lenses)?,
+            (None, Pixels::OfPoses) => return bad("the views have no size; give `sensor` or `lenses`"),
         };
         let rig = RigSettings { views, ..rig.clone() };
         let camera = DatasetCamera::Rig(shifted(&rig, shape)?);

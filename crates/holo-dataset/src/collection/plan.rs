@@ -193,13 +193,18 @@ impl DatasetRun<'_> {
     }
 }
 
-/// Returns the scenes of a dataset: scenes of the gallery by name (`None`: all), then files.
+/// The name of the gallery's scenes that the paper's dataset has, in place of scenes.
+const PAPER: &str = "paper";
+
+/// Returns the scenes of a dataset: scenes of the gallery by name (`None`: all; `paper`: the fifteen of the paper's dataset),
+/// then files.
 ///
 /// # Errors
 /// [`Error::BadRequest`] if the gallery has no scene of a name; [`Error::Failed`] if a file does not exist.
 pub fn sources(names: Option<&[String]>, files: &[PathBuf]) -> Result<Vec<SceneSource>, Error> {
     let names: Vec<&str> = match names {
         None => gallery::NAMES.to_vec(),
+        Some(names) if names.len() == 1 && names[0] == PAPER => gallery::NAMES[..gallery::OF_PAPER].to_vec(),
         Some(names) => names.iter().map(String::as_str).collect(),
     };
     let mut sources = names.into_iter().map(SceneSource::gallery).collect::<Result<Vec<_>, _>>()?;

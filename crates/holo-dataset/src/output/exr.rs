@@ -65,6 +65,7 @@ fn exr_name(layer: Layer) -> (&'static str, &'static [&'static str]) {
         Layer::ObjectId => ("IndexOB", &["X"]),
         Layer::MaterialId => ("IndexMA", &["X"]),
         Layer::HitMask => ("HitMask", &["X"]),
+        Layer::Reflective => ("Reflective", &["X"]),
     }
 }
 
@@ -98,7 +99,7 @@ mod tests {
         let color = Array3::zeros((2, 3, 3));
         let channels = channels(&central, Some(color.view()));
         let names: std::collections::BTreeSet<&str> = channels.iter().map(|(name, _)| name.as_str()).collect();
-        assert_eq!((names.len(), channels.len()), (21, 21), "{names:?}");
+        assert_eq!((names.len(), channels.len()), (22, 22), "{names:?}");
         for name in ["Combined.R", "Depth.Z", "Normal.Y", "DiffCol.B", "IndexOB.X", "IndexMA.X", "Disparity.X"] {
             assert!(names.contains(format!("ViewLayer.{name}").as_str()), "{name}");
         }

@@ -9,7 +9,7 @@ use super::folder::OutputFolder;
 use super::images::Images;
 use super::statistics::Statistics;
 use super::wanted::Wanted;
-use super::{codes, layers, motion, raw};
+use super::{codes, layers, masks, motion, raw};
 use crate::Error;
 use crate::settings::{Exposure, RenderSettings};
 
@@ -115,7 +115,12 @@ fn write_views(
     folder.unseal()?;
     layers::write(&mut folder, &wanted, &rendered, disparity_px)?;
     if let Some(visibility) = &views.visibility {
-        layers::write_visibility(&mut folder, visibility)?;
+        if wanted.visibility {
+            layers::write_visibility(&mut folder, visibility)?;
+        }
+        if wanted.masks {
+            masks::write(&mut folder, &rendered, visibility)?;
+        }
     }
     motion::write(&mut folder, &wanted, &views.rig, &views.motion)?;
     let mut statistics = Statistics::new(&rendered, views.visibility.as_ref());

@@ -3,7 +3,7 @@
 use holo_render::{Denoise, GroundTruth, Integrator, Layer, LayerSet, Rendered};
 
 use super::layers::{COLOR, ERROR, FLOWS, VISIBILITY};
-use super::subset;
+use super::{masks, subset};
 use crate::Error;
 use crate::settings::{Camera, Focus, LayerChoice, Output, RawLayer, RenderSettings, RigSettings, Spacing};
 
@@ -41,6 +41,8 @@ pub(crate) struct Wanted {
     pub error: bool,
     /// Whether the visibility of the central view is written.
     pub visibility: bool,
+    /// Whether masks of the central view are written, which its visibility is a part of.
+    pub masks: bool,
     /// Whether the movement of images until the next frame is written, and that of points in the world.
     pub flow: [bool; 2],
 }
@@ -72,6 +74,7 @@ impl Wanted {
         }
         let mut raw: Vec<RawLayer> = RawLayer::ALL.to_vec();
         raw.retain(|layer| is_raw && (named(LayerChoice::All) || named(LayerChoice::Raw(*layer))));
+        let masks = output.write.contains(&Output::Masks);
         let held = held(written, &output.write);
         let has_truth = [Layer::Depth, Layer::Disparity].iter().any(|layer| held.contains(*layer));
         let mask = if has_truth { [Layer::HitMask].into() } else { LayerSet::EMPTY };
@@ -103,13 +106,14 @@ impl Wanted {
             default: if is_raw { &Output::RAW } else { &[Output::Vpi, Output::El, Output::Mat] },
             written,
             hit_mask: has_truth,
-            central: central.union(mask),
+            central: central.union(mask).union(if masks { masks::LAYERS } else { LayerSet::EMPTY }),
             all: if output.ground_truth == GroundTruth::All { held } else { LayerSet::EMPTY },
             raw,
             color,
             requires_color: named(LayerChoice::Color),
             error,
             visibility: named(LayerChoice::Visibility),
+            masks,
             flow: [LayerChoice::OpticalFlow, LayerChoice::SceneFlow].map(named),
         })
     }

@@ -155,6 +155,8 @@ pub enum Output {
     Disparity,
     /// `scene_depth.pfm` of the central view.
     Depth,
+    /// `masks/`: masks of the central view, for scores.
+    Masks,
     /// `scene_central.exr`: color and all layers of the central view, linear. With `El` or `Vpi` also `scene_el.exr`,
     /// `scene_vpi.exr`.
     Exr,

@@ -69,6 +69,7 @@ words!(LayerChoice:
     (LayerChoice::One(Layer::ObjectId), "object-id", "Number of the instance, from 1; 0 where nothing was hit"),
     (LayerChoice::One(Layer::MaterialId), "material-id", "Number of the material, from 1; 0 where nothing was hit"),
     (LayerChoice::One(Layer::HitMask), "hit-mask", "1 where something was hit, else 0"),
+    (LayerChoice::One(Layer::Reflective), "reflective", "1 where the surface mirrors light or lets it pass, else 0"),
     (LayerChoice::All, "all", "All of the above"),
     (LayerChoice::Visibility, "visibility", "Part of all views that see the point; 1: all. Of the central view alone"),
     (LayerChoice::OpticalFlow, "optical-flow",
@@ -93,6 +94,8 @@ words!(Output:
     (Output::El, "el", "scene_el.png: the raw image of the sensor behind the microlenses"),
     (Output::Disparity, "disparity", "scene_disparity.pfm and .png of the central view"),
     (Output::Depth, "depth", "scene_depth.pfm of the central view"),
+    (Output::Masks, "masks",
+        "masks/: valid, occluded, discontinuity, textureless, reflective and plane pixels of the central view, for scores"),
     (Output::Exr, "exr",
         "scene_central.exr: color and all layers of the central view, linear. With el or vpi also scene_el.exr, \
          scene_vpi.exr"),

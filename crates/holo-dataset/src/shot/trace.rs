@@ -135,8 +135,9 @@ fn views(
     let Setup { settings, wanted, .. } = setup;
     let is_highres = settings.output.write.contains(&Output::HciHighres);
     let highres_depth_m = is_highres.then(|| highres_depth_m(prepared, rig)).transpose()?;
+    let needs_visibility = wanted.visibility || wanted.masks;
     let visibility =
-        if wanted.visibility { Some(prepared.renderer.visibility(request, &CancelOnly(progress))?) } else { None };
+        if needs_visibility { Some(prepared.renderer.visibility(request, &CancelOnly(progress))?) } else { None };
     let motion = if wanted.flow.contains(&true) {
         motion::trace(setup, (stage, prepared, pose), &CancelOnly(progress))?
     } else {

@@ -542,7 +542,6 @@ fn datasets_refuse_what_has_no_folder_of_its_own() {
         (plenoptic(["small", "other"]), settings(Kind::Rig, false, false), "`camera-file`"),
         (views(), RenderSettings::default().camera(small()), "`views`"),
         (views(), settings(Kind::Pinhole, true, false), "`views`"),
-        (views(), settings(Kind::Rig, false, false), "`sensor`"),
         (views(), rig().poses(Poses::Array { cameras, up }), "'right' of `transforms` has 13x8 pixels"),
         (views(), rig().camera(RigSettings::default()), "`sensor`"),
     ] {

@@ -6,7 +6,12 @@ import numbers
 import os
 import warnings
 
+from collections.abc import Callable
+from typing import Any, TypeVar
+
 from .errors import HoloWarning, UsageError
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 _SIZES = ("views", "lenses", "sensor")
 _LOG = logging.getLogger("holo")
@@ -46,7 +51,7 @@ def _is_empty(value):
     return isinstance(value, (tuple, list)) and len(value) == 0
 
 
-def with_signature(function):
+def with_signature(function: _Function) -> _Function:
     """Gives a function with the keywords of `Settings` a signature that names them, for help and completion."""
     from ._settings import Settings
 

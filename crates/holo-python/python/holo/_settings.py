@@ -103,8 +103,8 @@ class Settings(TypedDict, total=False):
     sky: str | float | tuple[float, float, float] | os.PathLike[str] | None
     backdrop: tuple[float, float, float] | float | str | None
     seed: int | None
-    write: Sequence[Literal["vpi", "el", "disparity", "depth", "exr", "mat", "h5", "hci", "hci-highres", "raw", "raw-png", "white", "centers"]] | str | None
-    layers: Sequence[Literal["color", "depth", "ray-length", "disparity", "geometric-normal", "shading-normal", "albedo", "object-id", "material-id", "hit-mask", "all", "visibility", "optical-flow", "scene-flow", "lens-row", "lens-column", "lens-type", "white", "virtual-depth", "blur", "inverse-depth-mean", "inverse-depth-deviation", "coverage", "error"]] | str | None
+    write: Sequence[Literal["vpi", "el", "disparity", "depth", "masks", "exr", "mat", "h5", "hci", "hci-highres", "raw", "raw-png", "white", "centers"]] | str | None
+    layers: Sequence[Literal["color", "depth", "ray-length", "disparity", "geometric-normal", "shading-normal", "albedo", "object-id", "material-id", "hit-mask", "reflective", "all", "visibility", "optical-flow", "scene-flow", "lens-row", "lens-column", "lens-type", "white", "virtual-depth", "blur", "inverse-depth-mean", "inverse-depth-deviation", "coverage", "error"]] | str | None
     ground_truth: Literal["central", "all"] | None
     exposure: str | float | None
     bit_depth: int | None

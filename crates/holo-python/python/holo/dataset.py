@@ -9,7 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -68,11 +68,17 @@ class Job:
         return read_image(self.path / ("scene_depth.pfm" if self.camera is None else "raw_depth.pfm"))
 
     @property
-    def manifest(self) -> dict:
+    def masks(self) -> dict[str, np.ndarray]:
+        """The masks of `write=["masks"]` by name, such as "occluded": bool, axes (row, column)."""
+        files = sorted((self.path / "masks").glob("*.png"))
+        return {file.stem: read_image(file) > 0 for file in files}
+
+    @property
+    def manifest(self) -> dict[str, Any]:
         """The manifest: rig, settings, digests of the files."""
         return json.loads((self.path / "manifest.json").read_text(encoding="utf-8"))
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         what = f"camera {self.camera!r}" if self.views is None else f"{self.views[0]} x {self.views[1]} views"
         return f"<Job {self.scene!r}: {what} in {self.path}>"
 
@@ -85,7 +91,7 @@ def run_command(words: Sequence[str]) -> None:
         raise (UsageError if done.returncode == 2 else Error)("\n".join(said) or done.stderr.strip())
 
 
-class Dataset(Sequence):
+class Dataset(Sequence["Job"]):
     """The jobs of a folder that `holo dataset` wrote.
 
         for job in holo.Dataset("out"):
@@ -114,7 +120,7 @@ class Dataset(Sequence):
         sizes = [size for size in sizes if (size in wanted if wanted is not None else cameras is None)]
         names = [camera["name"] for camera in self.description.get("cameras", [])]
         names = [name for name in names if (name in cameras if cameras is not None else wanted is None)]
-        self.jobs = []
+        self.jobs: list[Job] = []
         for scene in (entry["name"] for entry in self.description["scenes"]):
             if scenes is None or scene in scenes:
                 folder = self.path / scene
@@ -130,6 +136,7 @@ class Dataset(Sequence):
         glb: Sequence[str | os.PathLike] = (),
         views: Sequence[int | tuple[int, int]] | None = None,
         cameras: Sequence[str | os.PathLike] = (),
+        preset: str | None = None,
         executor: Executor | None = None,
         parts: int | None = None,
         threads: int = 0,
@@ -139,6 +146,7 @@ class Dataset(Sequence):
 
         scenes: of the gallery, all by default; [] for none. glb: files of your own. views: numbers of views, each one number
             or (rows, columns). cameras: plenoptic cameras instead of views, presets or camera files.
+        preset: settings with a name, such as "hci" or "clean"; those that are given replace its own.
         executor: any `concurrent.futures.Executor` that runs the parts, such as `ProcessPoolExecutor`, or those of Dask
             (`client.get_executor()`), submitit and mpi4py. Its workers need this package, and see the folder out.
         parts: into how many parts the jobs are divided, one by default without an executor, else as many as it says it has
@@ -157,6 +165,8 @@ class Dataset(Sequence):
             words += ["--views", ",".join(text_of("views", count) for count in views)]
         if cameras:
             words += ["--camera-file", ",".join(os.fspath(camera) for camera in cameras)]
+        if preset is not None:
+            words += ["--preset", preset]
         if threads:
             words += ["--threads", str(threads)]
         for name, text in texts_of(settings).items():
@@ -170,15 +180,21 @@ class Dataset(Sequence):
         run_command(words)
         return cls(out)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.jobs)
 
-    def __getitem__(self, index):
+    @overload
+    def __getitem__(self, index: int) -> Job: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[Job]: ...
+
+    def __getitem__(self, index: int | slice) -> Job | list[Job]:
         return self.jobs[index]
 
     def __iter__(self) -> Iterator[Job]:
         return iter(self.jobs)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         what = "raw images" if self.jobs and all(job.views is None for job in self.jobs) else "light fields"
         return f"<Dataset {self.path}: {len(self)} {what}>"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import NamedTuple
+from typing import Any, Literal, NamedTuple, overload
 
 import numpy as np
 
@@ -91,6 +91,12 @@ class LightField:
     def shape(self) -> tuple[int, int, int, int, int]:
         """(V, U, T, S, C)."""
         return self.array.shape
+
+    @overload
+    def __getitem__(self, place: tuple[int, int]) -> np.ndarray: ...
+
+    @overload
+    def __getitem__(self, place: tuple[slice, slice]) -> LightField: ...
 
     def __getitem__(self, place: tuple[int | slice, int | slice]) -> np.ndarray | LightField:
         """`field[t, s]`: a view, axes (row, column, channel); with slices a light field of some views. Shares memory."""
@@ -238,6 +244,16 @@ class LightField:
         }
         return _holo.refocus(self.linear().array, request)
 
+    @overload
+    def disparity(
+        self, range: tuple[float, float] | None = None, *, effort: str = "balanced", confidence: Literal[False] = False  # noqa: A002
+    ) -> np.ndarray: ...
+
+    @overload
+    def disparity(
+        self, range: tuple[float, float] | None = None, *, effort: str = "balanced", confidence: Literal[True]  # noqa: A002
+    ) -> Estimate: ...
+
     def disparity(
         self,
         range: tuple[float, float] | None = None,  # noqa: A002
@@ -295,7 +311,7 @@ class LightField:
         field = self if self.array.dtype.kind == "u" else self.encode()
         _holo.write_hci(folder, field.array, self.rig, disparity, depth)
 
-    def plot(self, disparity: np.ndarray | None = None):
+    def plot(self, disparity: np.ndarray | None = None) -> Any:
         """Draws the central view and the epipolar-plane image of its middle row, and with `disparity`, axes (row, column), that
         map with its scale in pixels. Needs matplotlib; returns the figure."""
         try:
@@ -315,7 +331,7 @@ class LightField:
             places[2].set_title("disparity")
         return figure
 
-    def to_xarray(self):
+    def to_xarray(self) -> Any:
         """An `xarray.DataArray` that shares memory, with the dimensions v, u, t, s, c and the rig's numbers as attributes."""
         import xarray
 
@@ -324,16 +340,16 @@ class LightField:
         attributes["is_srgb"] = int(self.is_srgb)
         return xarray.DataArray(self.array, dims=("v", "u", "t", "s", "c"), name="light_field", attrs=attributes)
 
-    def __array__(self, dtype=None, copy=None):
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
         array = self.array if dtype is None else self.array.astype(dtype, copy=False)
         return np.array(array) if copy else array
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         (t, s), (v, u) = self.views, self.lenses
         channels, kind = self.array.shape[4], "sRGB" if self.is_srgb else "linear"
         return f"<LightField: {t} x {s} views of {v} x {u} px (rows x columns), {channels} channels, {self.array.dtype}, {kind}>"
 
-    def _repr_png_(self):
+    def _repr_png_(self) -> bytes:
         """The central view, for notebooks."""
         view = self.central[:, :, None, None]
         field = _restored(np.ascontiguousarray(view), None, self.is_srgb, None)

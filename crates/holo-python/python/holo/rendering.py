@@ -21,6 +21,8 @@ from .scene import Scene, as_scene
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
+    from .plenoptic import Decoded
+
 Progress = Callable[[int, int], object]
 
 Point = tuple[float, float, float]
@@ -49,11 +51,17 @@ def _placed(pose, settings):
     return {**settings, **own}
 
 
+def _layer(layers: dict[str, np.ndarray], name: str) -> np.ndarray:
+    if name not in layers:
+        raise UsageError(f"{name} was not rendered; render with layers=[{name!r}]")
+    return layers[name]
+
+
 @dataclass(repr=False)
 class Rendering:
     """A light field that was rendered, with ground truth.
 
-    light_field: linear radiance, float32; None with integrator="depth".
+    color: linear radiance, float32; None with integrator="depth". `light_field` is the same and never None.
     layers: maps by their names on the command line, such as "depth" (m), "disparity" (px), "shading-normal"; of the
         central view with the axes (row, column[, channel]), with ground_truth="all" of all views with the axes (v, u, t,
         s[, c]).
@@ -61,7 +69,7 @@ class Rendering:
     exposure_ev: the automatic exposure of integers, EV. seconds: wall-clock times. rays: numbers by kind.
     """
 
-    light_field: LightField | None
+    color: LightField | None
     rig: Rig
     layers: dict[str, np.ndarray]
     central_layers: dict[str, np.ndarray]
@@ -74,32 +82,40 @@ class Rendering:
     seconds: dict[str, float] = field(default_factory=dict)
 
     @property
-    def depth(self) -> np.ndarray | None:
-        """Depth along the optical axis in meters, infinite where nothing was hit; None if it was not rendered."""
-        return self.layers.get("depth")
+    def light_field(self) -> LightField:
+        """The color. UsageError if none was rendered, with integrator="depth"."""
+        if self.color is None:
+            raise UsageError('integrator="depth" renders no color; use layers')
+        return self.color
 
     @property
-    def disparity(self) -> np.ndarray | None:
-        """Disparity between horizontally adjacent views in pixels; None if it was not rendered."""
-        return self.layers.get("disparity")
+    def depth(self) -> np.ndarray:
+        """Depth along the optical axis in meters, infinite where nothing was hit. UsageError if it was not rendered."""
+        return _layer(self.layers, "depth")
 
-    def __repr__(self):
-        return f"<Rendering: {self.light_field!r}, layers {', '.join(self.layers)}, {self.seconds.get('render', 0):.2f} s>"
+    @property
+    def disparity(self) -> np.ndarray:
+        """Disparity between horizontally adjacent views in pixels. UsageError if it was not rendered."""
+        return _layer(self.layers, "disparity")
 
-    def _repr_png_(self):
-        return None if self.light_field is None else self.light_field._repr_png_()
+    def __repr__(self) -> str:
+        return f"<Rendering: {self.color!r}, layers {', '.join(self.layers)}, {self.seconds.get('render', 0):.2f} s>"
+
+    def _repr_png_(self) -> bytes | None:
+        return None if self.color is None else self.color._repr_png_()
 
 
 @dataclass(repr=False)
 class RawRendering:
     """The raw image of a plenoptic camera.
 
-    image: radiance times white image, float32, axes (row, column, channel); None with integrator="depth".
+    color: radiance times white image, float32, axes (row, column, channel); None with integrator="depth". `image` is the
+        same and never None.
     layers: maps by their names on the command line, axes (row, column[, channel]).
     error: estimated relative standard error of the image, axes (row, column), with layers=["error"]; 0 for dark pixels.
     """
 
-    image: np.ndarray | None
+    color: np.ndarray | None
     camera: PlenopticCamera
     layers: dict[str, np.ndarray]
     integrator: str
@@ -107,15 +123,20 @@ class RawRendering:
     rays: dict[str, int]
     error: np.ndarray | None = None
 
-    def decode(self, white: np.ndarray | None = None, *, views: int | None = None):
+    @property
+    def image(self) -> np.ndarray:
+        """The color. UsageError if none was rendered, with integrator="depth"."""
+        if self.color is None:
+            raise UsageError('integrator="depth" renders no color; use layers')
+        return self.color
+
+    def decode(self, white: np.ndarray | None = None, *, views: int | None = None) -> Decoded:
         """The views of the raw image; see `holo.decode`."""
         from .plenoptic import decode
 
-        if self.image is None:
-            raise UsageError("a raw image of the integrator depth has no color to decode")
         return decode(self.image, self.camera, white=white, views=views)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<RawRendering of {self.camera!r}, layers {', '.join(self.layers)}>"
 
 
@@ -168,7 +189,7 @@ def render(
         span = _finite_range(central.get("disparity"))
         light_field = LightField(result["color"], result["rig"], is_srgb=False, disparity_range_px=span)
     return Rendering(
-        light_field=light_field,
+        color=light_field,
         rig=result["rig"],
         layers=result["all"] or central,
         central_layers=central,
@@ -267,7 +288,7 @@ def render_raw(
     color, error = result["color"], result["error"]
     return RawRendering(
         # A light field of one view.
-        image=None if color is None else color[:, :, 0, 0, :],
+        color=None if color is None else color[:, :, 0, 0, :],
         camera=camera,
         layers=result["central"],
         integrator=result["integrator"],

@@ -86,7 +86,9 @@ class Scene:
 
     __slots__ = ("_gallery", "_glb", "_path", "name")
 
-    def __init__(self, name, path=None, glb=None, gallery=False):
+    def __init__(
+        self, name: str, path: pathlib.Path | None = None, glb: bytes | None = None, gallery: bool = False
+    ) -> None:
         self.name, self._path, self._glb, self._gallery = name, path, glb, gallery
 
     @classmethod
@@ -99,7 +101,7 @@ class Scene:
 
     @classmethod
     def gallery(cls, name: str) -> Scene:
-        """One of the fifteen scenes that are built in, `Scene.gallery_names()`, or an animated one: "pendulum",
+        """One of the sixteen scenes that are built in, `Scene.gallery_names()`, or an animated one: "pendulum",
         "turning_clockwork", "garden_walk"."""
         _holo.gallery_glb(name)
         return cls(name, gallery=True)
@@ -223,7 +225,7 @@ class Scene:
         """Writes the `.glb`."""
         pathlib.Path(path).write_bytes(self.to_glb())
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         if self._path is not None:
             return f"Scene.open({str(self._path)!r})"
         return f"Scene.gallery({self.name!r})" if self._gallery else f"<Scene {self.name!r}: {len(self._glb)} bytes>"

@@ -15,6 +15,7 @@
 //! | `object-id` | 1 | index in [`Scene::instances`](holo_scene::Scene::instances) + 1 | 0 |
 //! | `material-id` | 1 | index in [`Scene::materials`](holo_scene::Scene::materials) + 1 | 0 |
 //! | `hit-mask` | 1 | 1 | 0 |
+//! | `reflective` | 1 | 1 for a surface that mirrors light or lets it pass, else 0 | 0 |
 //!
 //! - **Ray length.** A perspective ray starts at the center of the view, so its length is the distance from the view;
 //!   an orthographic ray starts in the plane z = 0.
@@ -23,6 +24,7 @@
 //!   is interpolated between the vertices and flipped with the geometric normal, may face away from the view at
 //!   silhouettes.
 //! - **Albedo** is the base color (factor, texture and vertex color) for any kind of material.
+//! - **Reflective** is of a material by its numbers, whatever its textures are.
 //! - **Ids** of objects and materials are exact; scenes with more than 2^24 of them are rejected.
 //!
 //! # Accuracy
@@ -55,11 +57,13 @@ pub enum Layer {
     MaterialId,
     /// 1 for a hit, 0 for a miss.
     HitMask,
+    /// 1 for a hit whose material [mirrors light or lets it pass](holo_scene::Material::is_reflective), else 0.
+    Reflective,
 }
 
 impl Layer {
     /// The number of layers.
-    pub const COUNT: usize = 9;
+    pub const COUNT: usize = 10;
 
     /// All layers.
     pub const ALL: [Self; Self::COUNT] = [
@@ -72,6 +76,7 @@ impl Layer {
         Self::ObjectId,
         Self::MaterialId,
         Self::HitMask,
+        Self::Reflective,
     ];
 
     /// The name on the command line, such as `ray-length`.
@@ -87,6 +92,7 @@ impl Layer {
             Self::ObjectId => "object-id",
             Self::MaterialId => "material-id",
             Self::HitMask => "hit-mask",
+            Self::Reflective => "reflective",
         }
     }
 
@@ -321,7 +327,7 @@ mod tests {
         let some = LayerSet::from([Layer::Albedo, Layer::Depth, Layer::Depth]);
         assert_eq!(some.iter().collect::<Vec<_>>(), [Layer::Depth, Layer::Albedo]);
         assert_eq!(some.channels(), 4);
-        assert_eq!(LayerSet::ALL.channels(), 15);
+        assert_eq!(LayerSet::ALL.channels(), 16);
         assert_eq!(LayerSet::ALL.without(some).union(some), LayerSet::ALL);
         assert_eq!(LayerSet::ALL.without(some).intersection(some), LayerSet::EMPTY);
         assert!(LayerSet::EMPTY.is_empty() && !some.is_empty());

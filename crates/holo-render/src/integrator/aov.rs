@@ -65,6 +65,7 @@ impl TileAovs {
                 Layer::ObjectId => self.scalars[k].push([object_id(context, hits)]),
                 Layer::MaterialId => self.scalars[k].push([material_id(context, hits)]),
                 Layer::HitMask => self.scalars[k].push([hit_mask(hits)]),
+                Layer::Reflective => self.scalars[k].push([reflective(context, hits)]),
                 Layer::GeometricNormal => self.vectors[k].push(geometric_normal(context, hits)),
                 Layer::ShadingNormal => self.vectors[k].push(shading_normal(context, hits)),
                 Layer::Albedo => self.vectors[k].push(albedo(hits)),
@@ -144,6 +145,20 @@ fn material_id(context: &Context, hits: &PrimaryHits) -> [f32; LANES] {
         if hit.triangle != NO_TRIANGLE {
             let instance = context.scene.geometry.instance_index(hit);
             out[lane] = (context.scene.geometry.instance(instance).material + 1) as f32;
+        }
+    }
+    out
+}
+
+#[inline(always)]
+fn reflective(context: &Context, hits: &PrimaryHits) -> [f32; LANES] {
+    let mut out = [0.0; LANES];
+    for lane in 0..LANES {
+        let hit = hits.packet.hit(lane);
+        if hit.triangle != NO_TRIANGLE {
+            let instance = context.scene.geometry.instance_index(hit);
+            let material = context.scene.geometry.instance(instance).material;
+            out[lane] = f32::from(u8::from(context.scene.appearance.is_reflective(material)));
         }
     }
     out

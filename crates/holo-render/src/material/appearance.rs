@@ -79,6 +79,7 @@ struct Material {
     scattering: scattering::Scattering,
     /// Those of few materials; on the heap, so that others stay small.
     layers: Option<Box<layers::Layers>>,
+    is_reflective: bool,
 }
 
 /// A texture with its coordinate transform: u' = a u + b v + c, v' = d u + e v + f.
@@ -166,6 +167,11 @@ impl Appearance {
     /// The number of different media in bodies of glass.
     pub fn media_count(&self) -> usize {
         self.media.len() - 1
+    }
+
+    /// Whether a material mirrors light or lets it pass.
+    pub fn is_reflective(&self, material: u32) -> bool {
+        self.materials[material as usize].is_reflective
     }
 
     /// Whether all materials are unlit.
@@ -328,6 +334,7 @@ impl Material {
             emission,
             scattering,
             layers,
+            is_reflective: material.is_reflective(),
         }
     }
 }

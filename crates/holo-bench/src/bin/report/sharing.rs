@@ -19,7 +19,7 @@ use crate::{RunOptions, Section};
 const VIEWS: [usize; 3] = [0, 1, 4];
 
 /// The first scenes of the gallery, those of the dataset.
-pub const DATASET_SCENES: usize = 15;
+pub const DATASET_SCENES: usize = gallery::OF_PAPER;
 
 /// How a sensor is divided into views, the part of its lens rows that is compared, the samples of a reference, the scenes.
 pub struct Division {

@@ -1,0 +1,155 @@
+//! Masks of the central view, for scores: which pixels are hard, and why. They follow from the scene, not from images.
+//!
+//! | mask | pixels |
+//! |---|---|
+//! | `valid` | something is hit |
+//! | `occluded` | a quarter of the views or more do not see the point: it is hidden, or beyond their images |
+//! | `discontinuity` | within two pixels of a jump of the disparity by more than 0.1 px between neighbors |
+//! | `textureless` | the albedo of the pixels around, 5 x 5, differs by less than 0.02 in every channel |
+//! | `reflective` | the surface mirrors light or lets it pass ([`holo_scene::Material::is_reflective`]) |
+//! | `plane` | all pixels around, 3 x 3, have normals within 0.1 degrees, and no jump |
+
+use std::ops::Range;
+
+use holo_io::{ColorEncoding, Compression};
+use holo_render::{Layer, LayerSet, Layers, Rendered};
+use ndarray::{Array2, Array3, ArrayView3, Axis};
+
+use super::folder::OutputFolder;
+use crate::Error;
+
+/// The layers of the central view that masks follow from, beside its visibility.
+pub(super) const LAYERS: LayerSet =
+    LayerSet::of(&[Layer::Disparity, Layer::GeometricNormal, Layer::Albedo, Layer::HitMask, Layer::Reflective]);
+
+/// The folder of the masks.
+const FOLDER: &str = "masks";
+
+/// Points that a smaller part of the views sees are occluded.
+const SEEN: f32 = 0.75;
+
+/// A larger difference between the disparities of neighbors is a jump, px.
+const JUMP_PX: f32 = 0.1;
+
+/// How far pixels are from a jump that they belong to, px.
+const NEAR_JUMP: usize = 2;
+
+/// The range of albedo below which there is no texture, and how far from a pixel it counts.
+const TEXTURE: f32 = 0.02;
+const AROUND_TEXTURE: usize = 2;
+
+/// 1 - the cosine of the angle between normals of one plane: 0.1 degrees.
+const PLANE: f32 = 1.5e-6;
+
+/// Writes all masks: 8-bit PNGs, 255 where a pixel belongs to the mask.
+pub(super) fn write(folder: &mut OutputFolder, rendered: &Rendered, visibility: &Array2<f32>) -> Result<(), Error> {
+    folder.subfolder(FOLDER)?;
+    for (name, mask) in masks(&rendered.central, visibility) {
+        let codes: Array3<u8> = mask.mapv(|is_in| if is_in { 255 } else { 0 }).insert_axis(Axis(2));
+        let file = format!("{FOLDER}/{name}.png");
+        let written = holo_io::write_png(folder.file(&file), codes.view(), ColorEncoding::Linear, Compression::Best)?;
+        folder.add(file, written);
+    }
+    Ok(())
+}
+
+fn masks(central: &Layers<Array3<f32>>, visibility: &Array2<f32>) -> [(&'static str, Array2<bool>); 6] {
+    let scalar = |layer: Layer| central[layer].index_axis(Axis(2), 0).to_owned();
+    let valid = scalar(Layer::HitMask).mapv(|hit| hit > 0.0);
+    let near_jump = jumps(&scalar(Layer::Disparity));
+    let normals = central[Layer::GeometricNormal].view();
+    let plane = around(valid.dim(), 1, |window, [v, u]| {
+        let own = normals.slice_axis(Axis(0), (v..v + 1).into());
+        let cosine = |y: usize, x: usize| -> f32 { (0..3).map(|c| own[[0, u, c]] * normals[[y, x, c]]).sum() };
+        valid[[v, u]] && !near_jump.0[[v, u]] && every(&window, |y, x| valid[[y, x]] && 1.0 - cosine(y, x) < PLANE)
+    });
+    let albedo = central[Layer::Albedo].view();
+    let textureless =
+        around(valid.dim(), AROUND_TEXTURE, |window, [v, u]| valid[[v, u]] && is_even(albedo, &valid, &window));
+    let occluded = Array2::from_shape_fn(valid.dim(), |place| valid[place] && visibility[place] <= SEEN);
+    [
+        ("occluded", occluded),
+        ("discontinuity", near_jump.1),
+        ("textureless", textureless),
+        ("reflective", scalar(Layer::Reflective).mapv(|share| share > 0.0)),
+        ("plane", plane),
+        ("valid", valid),
+    ]
+}
+
+/// Some rows and columns.
+type Window = [Range<usize>; 2];
+
+/// The value of every pixel by the pixels at most `reach` rows and columns away.
+fn around(dim: (usize, usize), reach: usize, value: impl Fn(Window, [usize; 2]) -> bool) -> Array2<bool> {
+    let range = |k: usize, count: usize| k.saturating_sub(reach)..(k + reach + 1).min(count);
+    Array2::from_shape_fn(dim, |(v, u)| value([range(v, dim.0), range(u, dim.1)], [v, u]))
+}
+
+fn every(window: &Window, holds: impl Fn(usize, usize) -> bool) -> bool {
+    window[0].clone().all(|y| window[1].clone().all(|x| holds(y, x)))
+}
+
+/// The pixels beside a jump of the disparity, and those near one.
+fn jumps(disparity: &Array2<f32>) -> (Array2<bool>, Array2<bool>) {
+    let beside = around(disparity.dim(), 1, |[rows, columns], [v, u]| {
+        let own = disparity[[v, u]];
+        let differs = |y: usize, x: usize| (disparity[[y, x]] - own).abs() > JUMP_PX;
+        rows.into_iter().any(|y| differs(y, u)) || columns.into_iter().any(|x| differs(v, x))
+    });
+    let near = around(disparity.dim(), NEAR_JUMP, |window, _| !every(&window, |y, x| !beside[[y, x]]));
+    (beside, near)
+}
+
+/// Whether the albedo of the hits in a window hardly differs.
+fn is_even(albedo: ArrayView3<f32>, valid: &Array2<bool>, [rows, columns]: &Window) -> bool {
+    (0..3).all(|c| {
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for y in rows.clone() {
+            for x in columns.clone().filter(|&x| valid[[y, x]]) {
+                low = low.min(albedo[[y, x, c]]);
+                high = high.max(albedo[[y, x, c]]);
+            }
+        }
+        high - low < TEXTURE
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plane on the left and a nearer, textured one on the right, whose last column nothing is hit in.
+    #[test]
+    fn every_mask_has_its_pixels() {
+        let (rows, columns, edge) = (6, 12, 6);
+        let image = |channels: usize, value: fn(usize, usize) -> f32| {
+            Array3::from_shape_fn(
+                (rows, columns, channels),
+                |(v, u, c)| if c + 1 == channels { value(v, u) } else { 0.0 },
+            )
+        };
+        let central: Layers<Array3<f32>> = [
+            (Layer::Disparity, image(1, |_, u| if u < 6 { 0.05 * u as f32 } else { 1.0 })),
+            (Layer::GeometricNormal, image(3, |_, _| 1.0)),
+            (Layer::Albedo, image(3, |v, u| if u < 6 { 0.5 } else { (v + u) as f32 % 2.0 })),
+            (Layer::HitMask, image(1, |_, u| if u < 11 { 1.0 } else { 0.0 })),
+            (Layer::Reflective, image(1, |v, _| if v == 0 { 1.0 } else { 0.0 })),
+        ]
+        .into_iter()
+        .collect();
+        let visibility = Array2::from_shape_fn((rows, columns), |(_, u)| if u == 5 { 0.75 } else { 1.0 });
+        let masks = masks(&central, &visibility);
+        let row = |name: &str| -> String {
+            let (_, mask) = masks.iter().find(|(known, _)| *known == name).expect(name);
+            mask.row(2).iter().map(|&is_in| if is_in { '#' } else { '.' }).collect()
+        };
+        assert_eq!(row("valid"), "###########.");
+        assert_eq!(row("occluded"), ".....#......");
+        assert_eq!(row("discontinuity"), "...######...", "a slope is no jump");
+        assert_eq!(row("textureless"), "####........");
+        assert_eq!(row("plane"), "#####..###..", "not beside the edge at {edge}, nor beside what is not hit");
+        assert_eq!(row("reflective"), "............");
+        assert!(masks.iter().any(|(name, mask)| *name == "reflective" && mask[[0, 3]]));
+    }
+}
