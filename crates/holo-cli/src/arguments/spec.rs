@@ -87,7 +87,7 @@ impl DatasetOptions {
         Ok((cameras, settings))
     }
 
-    /// The numbers of views, of which a preset has one.
+    /// Returns the numbers of views of the dataset: those of the command line, else that of the preset, else those of the paper.
     fn views(&self, of_preset: Option<String>) -> Result<Vec<GridSize>, Failure> {
         match (self.view_counts.as_slice(), of_preset) {
             ([], Some(one)) => Ok(vec![one.parse().map_err(|why| Failure::Usage(format!("{why}")))?]),

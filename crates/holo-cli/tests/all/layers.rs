@@ -149,7 +149,7 @@ fn masks_say_which_pixels_are_hard() {
         assert!(mask(name).iter().any(|&code| code > 0) && mask(name).iter().any(|&code| code == 0), "{name}");
     }
     assert_eq!(bench.run("verify out").code, Some(0));
-    // Nobody asked for visibility itself.
+    // Masks need visibility, and do not write it.
     assert_eq!(bench.run(&format!("{render} --out alone")).code, Some(0));
     assert!(!bench.list("alone").contains(&"scene_visibility.pfm".to_owned()));
     let read = |out: &str| std::fs::read(bench.path(out).join("masks/occluded.png")).unwrap();

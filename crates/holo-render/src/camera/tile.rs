@@ -383,7 +383,7 @@ mod tests {
         assert_eq!(PacketShape::fitting([2000, 1, 1, 1]).size, [16, 1, 1, 1]);
     }
 
-    /// The tiles are as large as was asked for, also those of raw images, which have one axis of packets.
+    /// Tiles have the size that their caller gives, also those of raw images, which have one axis of packets.
     #[test]
     fn tiles_are_as_large_as_wanted() {
         for counts in [[1, 30_000, 1, 16], [500, 500, 9, 9], [50, 70, 100, 100]] {
