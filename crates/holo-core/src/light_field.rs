@@ -14,13 +14,14 @@ mod quilt;
 pub mod rearrange;
 mod rotate;
 mod sample;
+mod view_order;
 
-pub use compose::ViewOrder;
 pub use dynamic::{DynImage, DynImageRef, DynLightField, DynLightFieldRef};
 pub use grids::Layout;
 pub use path::ViewPath;
 pub use quilt::evenly_spaced_views;
 pub use sample::{Sample, SampleKind};
+pub use view_order::ViewOrder;
 
 use std::fmt;
 

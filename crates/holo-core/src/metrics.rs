@@ -29,7 +29,10 @@ mod smoothness;
 mod ssim;
 mod trivial;
 
-pub use disparity::{BAD_PIXEL_THRESHOLDS_PX, DisparityScores, bad_pixels_percent, disparity_scores};
+pub use disparity::{
+    BAD_PIXEL_THRESHOLDS_PX, DisparityScores, FINE_THRESHOLD_PX, bad_pixels_percent, disparity_scores,
+    fattening_percent, thinning_percent,
+};
 pub use error_map::{ErrorColors, error_map};
 pub use normals::{NormalGeometry, median_angle_error_deg, normals_from_disparity};
 pub use psnr::psnr_db;

@@ -39,6 +39,7 @@ mod presets;
 mod projection;
 mod pupil_shape;
 mod white;
+mod white_grid;
 
 pub use camera::{ImageSensor, PlenopticCamera};
 pub use decode::Decoded;
@@ -51,6 +52,7 @@ pub use microlenses::{LensAperture, MicrolensArray, MicrolensFocus, MicrolensGri
 pub use presets::{Preset, presets};
 pub use projection::{MicroImagePoint, PlenopticMode};
 pub use pupil_shape::PupilShape;
+pub use white_grid::WhiteGrid;
 
 #[cfg(test)]
 mod tests;

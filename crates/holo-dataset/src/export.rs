@@ -8,6 +8,7 @@
 mod basiclfsr;
 mod hci;
 mod jpeg_pleno;
+mod lfasr;
 mod nerf;
 mod npy;
 mod plenpy;
@@ -19,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 use holo_core::GridSize;
 
-use self::source::{LoadedField, SourceField, sources};
+use self::source::{LoadedField, SourceField, renamed, sources};
 use crate::Error;
 use crate::output::{OutputFolder, Rollback, TRANSFORMS};
 use crate::watch::{About, Diagnostics};
@@ -45,6 +46,8 @@ enum Writer {
         /// A warning about a whole export.
         check: fn(&[LoadedNote]) -> Option<String>,
     },
+    /// All light fields as one.
+    Joined(fn(&mut OutputFolder, &[SourceField]) -> Result<(), Error>),
     /// The images of pinhole cameras, which lie in a folder; returns their number.
     Pinholes(fn(&mut OutputFolder, &Path) -> Result<usize, Error>),
 }
@@ -55,8 +58,10 @@ type LoadedNote = GridSize;
 /// All targets.
 pub const EXPORT_TARGETS: &[ExportTarget] = &[
     hci::TARGET,
+    hci::TOOLKIT,
     urbanlf::TARGET,
     basiclfsr::TARGET,
+    lfasr::TARGET,
     plenpy::TARGET,
     stanford::TARGET,
     jpeg_pleno::TARGET,
@@ -85,6 +90,8 @@ pub struct ExportJob {
     pub views: Option<GridSize>,
     /// The group of the scenes, a folder that some readers expect.
     pub group: Option<String>,
+    /// Other names of scenes: ours, and that in the export.
+    pub names: Vec<(String, String)>,
 }
 
 /// What was written.
@@ -100,7 +107,7 @@ impl ExportJob {
     /// Creates the export of `input` for `target`.
     #[must_use]
     pub fn new(input: impl Into<PathBuf>, target: &'static ExportTarget) -> Self {
-        Self { input: input.into(), target, views: None, group: None }
+        Self { input: input.into(), target, views: None, group: None, names: Vec::new() }
     }
 
     /// Sets the views.
@@ -115,6 +122,12 @@ impl ExportJob {
         Self { group: group.into(), ..self }
     }
 
+    /// Sets other names of scenes: ours, and that in the export.
+    #[must_use]
+    pub fn names(self, names: impl IntoIterator<Item = (String, String)>) -> Self {
+        Self { names: names.into_iter().collect(), ..self }
+    }
+
     /// Writes the export into the folder `out`, which must be empty or missing.
     ///
     /// # Errors
@@ -127,14 +140,15 @@ impl ExportJob {
         diagnostics: &dyn Diagnostics,
     ) -> Result<Exported, Error> {
         let out = out.into();
-        if let Some(group) = &self.group
-            && (group.is_empty() || !group.chars().all(|c| c.is_alphanumeric() || "-_ ".contains(c)))
-        {
-            return Err(Error::BadRequest(format!("`group={}` is no name of a folder", holo_core::shown(group))));
+        let groups = self.group.iter().map(|group| ("group", group));
+        for (key, name) in groups.chain(self.names.iter().map(|(_, name)| ("names", name))) {
+            if name.is_empty() || !name.chars().all(|c| c.is_alphanumeric() || "-_ ".contains(c)) {
+                return Err(Error::BadRequest(format!("`{key}={}` is no name of a folder", holo_core::shown(name))));
+            }
         }
         // A wrong request is refused before a folder appears.
         let sources = match self.target.writer {
-            Writer::Fields { .. } => sources(&self.input, self.views)?,
+            Writer::Fields { .. } | Writer::Joined(_) => renamed(sources(&self.input, self.views)?, &self.names)?,
             Writer::Pinholes(_) => self.checked_pinholes()?,
         };
         if std::fs::read_dir(&out).is_ok_and(|mut entries| entries.next().is_some()) {
@@ -153,6 +167,10 @@ impl ExportJob {
                     diagnostics.report(About::Scene, &format!("warning: {warning}"));
                 }
                 counted(sizes.len(), "light field")
+            }
+            Writer::Joined(write) => {
+                write(&mut folder, &sources)?;
+                counted(sources.len(), "light field")
             }
             Writer::Pinholes(write) => counted(write(&mut folder, &self.input)?, "image"),
         };
@@ -173,7 +191,9 @@ impl ExportJob {
     /// Refuses an input without images of pinhole cameras, and settings that only light fields have.
     fn checked_pinholes(&self) -> Result<Vec<SourceField>, Error> {
         let name = self.target.name;
-        for (key, is_given) in [("views", self.views.is_some()), ("group", self.group.is_some())] {
+        for (key, is_given) in
+            [("views", self.views.is_some()), ("group", self.group.is_some()), ("names", !self.names.is_empty())]
+        {
             if is_given {
                 return Err(Error::BadRequest(format!("`{key}` is of light fields, and {name} takes single images")));
             }

@@ -37,6 +37,7 @@ mod error;
 mod export;
 mod output;
 mod resume;
+mod score;
 mod shot;
 mod watch;
 
@@ -51,6 +52,7 @@ pub use error::Error;
 pub use export::{EXPORT_TARGETS, ExportJob, ExportTarget, Exported};
 pub use output::{ColorStatistics, EstimatedError, OutputFolder, Rollback, Statistics};
 pub use resume::{Checkpoints, merge};
+pub use score::{MapScoring, RegionMask, read_mask, region_masks};
 pub use settings::{
     Camera, Color, EngineSettings, Exposure, Focus, Frames, LayerChoice, LightSettings, Output, OutputSettings, Pixels,
     Poses, RawLayer, RenderSettings, RigSettings, SceneSettings, SensorName, Shard, Sky, Spacing, Tool, ViewSubset,

@@ -67,6 +67,7 @@
 //! compared with the memory limit before samples are read, but not what the library allocates while it parses the
 //! structure of the file. Read files from sources you trust only.
 
+mod arrays;
 mod attributes;
 mod library;
 mod old_hci;
@@ -86,6 +87,7 @@ use ndarray::{ArrayView2, ArrayView4, Axis, Data, Slice};
 use crate::folder::Destination;
 use crate::{Error, FileDigest};
 
+pub use arrays::Hdf5Arrays;
 #[cfg(feature = "mat")]
 pub(crate) use library::{Failure, create, open, read_text};
 pub(crate) use old_hci::{OldHciFile, is_old_hci};

@@ -186,7 +186,7 @@ pub use gif::write_gif_animation;
 pub use hci::{HciFolder, HciHighResolution, HciImage, HciQuantity, HciResolution, HciTruth};
 #[cfg(feature = "hdf5")]
 pub use hdf5::{
-    Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5, write_hdf5_maps,
+    Hdf5Arrays, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5, write_hdf5_maps,
     write_hdf5_sequence,
 };
 #[cfg(feature = "hdr")]

@@ -9,6 +9,8 @@ mod decode;
 mod file;
 #[cfg(feature = "png")]
 mod folder;
+#[cfg(feature = "png")]
+mod grid_of_names;
 mod natural_order;
 mod options;
 #[cfg(all(feature = "png", feature = "camera"))]
@@ -42,7 +44,7 @@ pub use reader::{LightFieldFile, LightFieldFormat, LightFieldReader};
 /// | MIT Synthetic Light Field Archive | `NAME_5x5_apA` with `NAME-01.png` to `-25` | aperture A, the archive's README |
 /// | ESLF of Lytro | `NAME_eslf.png`, `NAME.eslf.png`: 14 x 14 views, linear, with alpha | none ¹ |
 /// | `lf.h5` of the old HCI benchmark | its dataset `/LF` | its attributes |
-/// | folder of images | PNGs of any other name in natural order, and [`ReadOptions::views`] | `parameters.cfg` in it ¹ |
+/// | folder of images | PNGs of any other name in natural order, and [`ReadOptions::views`] or names with row and column ³ | `parameters.cfg` in it ¹ |
 /// | raw PNG, TIFF or EXR | its signature | sidecar `parameters.cfg` ¹ |
 /// | raw image of an unfocused plenoptic camera | colors, no layout in its name, sidecar `camera.toml` of its size | the camera |
 /// | MAT file, version 5 or 7.3 | its header | its variables, else the sidecar `parameters.cfg` ¹ |
@@ -56,6 +58,10 @@ pub use reader::{LightFieldFile, LightFieldFormat, LightFieldReader};
 /// [`ReadOptions::views`] it specifies the number of views and must agree with the size of the image. ² The first that it
 /// has, and that this build can read, of `scene_el.png`, `scene_vpi.png`, `scene_5d.h5`, `scene_5d.mat`, `scene_el.exr`,
 /// `scene_vpi.exr` and `hci/`; [`LightFieldReader::representation`] tells which.
+///
+/// ³ `NAME_ROW_COLUMN.png` from 0 or 1, or a square of `input_Cam000.png` on. What is taken from names is a warning, and so is
+/// motion between the images that is not that of [`ReadOptions::order`]
+/// ([`view_order_of_images`](holo_core::LightField::view_order_of_images)).
 ///
 /// Of a plenoptic camera as many views are decoded as are fully lit, unless [`ReadOptions::views`] says otherwise: linear
 /// floats, relative to the white image of the camera; see

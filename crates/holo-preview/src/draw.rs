@@ -9,7 +9,7 @@ use holo_dataset::{
     Camera, Exposure, Focus, OutputSettings, Pixels, Prepared, RenderJob, RenderSettings, RigSettings, Spacing, Stage,
     camera_warnings,
 };
-use holo_render::{Denoise, Layer, LayerSet, Renderer, Request, Reuse, World, exposure};
+use holo_render::{Denoise, Layer, LayerSet, Progress, Renderer, Request, Reuse, TextureFilter, World, exposure};
 use ndarray::{Array2, Axis, s};
 use serde_json::{Value, json};
 
@@ -60,7 +60,9 @@ impl Drawing<'_> {
         let view = view_job(self.job, self.look.size)?;
         let prepared = view.prepare_moved(self.stage, self.still)?;
         let request = view_request(&view, &prepared, self.look.moving)?;
-        let first = color(&prepared, &request, self.newest)?;
+        // One image of a moving camera is done before the next one: newer ones would end all of them.
+        let newest: &dyn Progress = if self.look.moving { &() } else { &self.newest };
+        let first = color(&prepared, &request, newest)?;
         let exposure_ev = self.exposure_ev(&first, kept);
         self.send_view(&first, (exposure_ev, 1), &prepared, start)?;
         if self.look.moving {
@@ -117,7 +119,7 @@ impl Drawing<'_> {
         let seed = request.transport.seed;
         let pass = |k: u32| {
             let request = request.clone().samples(PASS_SAMPLES).seed(seed.wrapping_add(1 + u64::from(k)));
-            color(prepared, &request, self.newest)
+            color(prepared, &request, &self.newest)
         };
         let mut sum = pass(0)?;
         for k in 1..=MAX_PASSES {
@@ -149,6 +151,7 @@ impl Drawing<'_> {
             "number": self.look.number,
             "command": command.shell,
             "python": command.python,
+            "frames": frames(self.look),
             "estimate": estimate::of(&self.job.settings, &prepared, &strip),
         });
         let mut payload = Vec::new();
@@ -200,7 +203,7 @@ impl Drawing<'_> {
         if let Some(rig) = part.rig {
             request = request.camera(rig);
         }
-        let color = color(prepared, &request.rows(Some(part.rows.clone())), self.newest)?;
+        let color = color(prepared, &request.rows(Some(part.rows.clone())), &self.newest)?;
         let seconds = start.elapsed().as_secs_f64();
         let codes = encode::codes(&color, exposure_ev)?;
         let samples = (codes.dim().0 * codes.dim().1) as f64;
@@ -256,13 +259,13 @@ pub(crate) fn thumbnail(job: &RenderJob, size: [usize; 2], newest: Newest) -> Re
     let view = view_job(job, size)?;
     let prepared = view.prepare(&stage, &world, None, &())?;
     let request = view_request(&view, &prepared, false)?.samples(PASS_SAMPLES);
-    let color = color(&prepared, &request, newest)?;
+    let color = color(&prepared, &request, &newest)?;
     Ok(encode::jpeg(encode::codes(&color, exposure::automatic_exposure(&color))?.view())?)
 }
 
 /// Renders color.
-fn color(prepared: &Prepared, request: &Request, newest: Newest) -> Result<LightFieldOwned<f32>, Ended> {
-    let rendered = prepared.renderer.render(request, &newest)?;
+fn color(prepared: &Prepared, request: &Request, newest: &dyn Progress) -> Result<LightFieldOwned<f32>, Ended> {
+    let rendered = prepared.renderer.render(request, newest)?;
     rendered.color.ok_or_else(|| Ended::Failed("the scene has no light: choose a sky".into()))
 }
 
@@ -305,7 +308,21 @@ fn view_request(view: &RenderJob, prepared: &Prepared, moving: bool) -> Result<R
     let mut request = view.request(prepared)?.layers(LayerSet::EMPTY).reuse(Reuse::Off);
     // Mirrors and glass still show what they reflect and bend.
     request.transport.indirect &= !moving;
+    if moving {
+        // A fifth of the time.
+        request.transport.texture_filter = TextureFilter::Off;
+    }
     Ok(request)
+}
+
+/// How many frames a full render has.
+fn frames(look: &Look) -> u64 {
+    let text = look.settings.get("frame").map_or("", |text| text.as_str());
+    let ends: Vec<u64> = text.split('-').filter_map(|end| end.trim().parse().ok()).collect();
+    match ends[..] {
+        [first, last] => last.saturating_sub(first) + 1,
+        _ => 1,
+    }
 }
 
 /// A map of at most [`MAX_MAP`] x [`MAX_MAP`] values.

@@ -11,40 +11,6 @@ use crate::protocol::Look;
 /// The name of the camera that the program named.
 pub(crate) const OWN_CAMERA: &str = "own";
 
-/// The keys of the settings that a page can change. None of them names a file, except for `sky`: of a page it cannot be one.
-pub const SETTINGS: [&str; 30] = [
-    "views",
-    "sensor",
-    "lenses",
-    "f-number",
-    "baseline-m",
-    "disparity",
-    "focus-m",
-    "focal-mm",
-    "sensor-mm",
-    "projection",
-    "camera",
-    "eye",
-    "target",
-    "up",
-    "fov-deg",
-    "fit-object",
-    "ground",
-    "solid-glass",
-    "sky",
-    "backdrop",
-    "exposure",
-    "integrator",
-    "spp",
-    "denoise",
-    "target-error",
-    "max-bounces",
-    "seed",
-    "write",
-    "layers",
-    "reuse",
-];
-
 /// Whether only a rig has a setting.
 pub(crate) fn is_of_rig(key: &str) -> bool {
     let is_in_group = Setting::by_key(key).is_some_and(|setting| setting.group() == Group::Rig);
@@ -93,7 +59,8 @@ pub(crate) fn given(look: &Look, preview: &Preview) -> Result<Given, String> {
     let mut given = Given::default();
     let is_raw = !look.camera.is_empty();
     for (key, text) in look.settings.iter().filter(|(_, text)| !text.trim().is_empty()) {
-        if !SETTINGS.contains(&key.as_str()) {
+        // None of them names a file, except for `sky`: of a page it cannot be one.
+        if Setting::by_key(key).is_none() {
             return Err(format!("the page cannot set '{}'", holo_core::shown(key)));
         }
         if is_raw && is_of_rig(key) {
@@ -171,7 +138,7 @@ mod tests {
         assert_eq!(job.settings.camera.rig().unwrap().views, holo_core::GridSize::new(9, 9));
         for (key, text, words) in [
             ("sky", "/etc/secret.hdr", "where the preview is started"),
-            ("for", "lytro", "cannot set"),
+            ("transforms", "/etc/cameras.json", "cannot set"),
             ("out", "/tmp", "cannot set"),
             ("views", "-3", "views"),
         ] {

@@ -40,7 +40,6 @@ use holo_dataset::settings::Given;
 use holo_dataset::{EngineSettings, Rollback, SceneSource};
 use holo_io::CameraFile;
 
-pub use job::SETTINGS;
 pub use server::Server;
 
 /// An error of starting the server.

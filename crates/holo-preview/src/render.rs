@@ -108,7 +108,9 @@ impl Renders {
             match running.join() {
                 Ok(Ok(_)) => {
                     let is_rig = matches!(job.settings.camera, Camera::Rig(_));
-                    let path = shared.add(folder.to_owned());
+                    // Of a sequence its first frame.
+                    let first = job.shots().first().map(|shot| shot.folder()).unwrap_or_default();
+                    let path = shared.add(folder.join(first));
                     let seconds = start.elapsed().as_secs_f64();
                     send(json!({
                         "kind": "rendered",

@@ -3,7 +3,7 @@
 
 use std::sync::mpsc::Sender;
 
-use holo_dataset::{About, RenderJob, SceneSettings, SceneSource, Sky};
+use holo_dataset::{About, Frames, RenderJob, SceneSettings, SceneSource, Sky};
 use holo_scene::{Transform, gallery};
 use serde_json::json;
 
@@ -97,12 +97,15 @@ impl<'a> Studio<'a> {
         let stage = job.stage(&note)?;
         let world = stage.world(&job.source, &job.settings.light.sky, &job.engine)?;
         let still = world.at(&Transform::IDENTITY)?;
-        let scene = &stage.loaded.scene;
+        let (scene, animations) = (&stage.loaded.scene, &stage.loaded.summary.animations);
+        let seconds = animations.iter().map(|animation| animation.seconds).fold(0.0, f64::max);
+        let frames_per_second = job.settings.scene.frames_per_second();
         self.send(Reply::new(json!({
             "kind": "scene",
             "name": holo_core::visible(&job.source.name()),
             "triangles": scene.triangle_count(),
             "cameras": scene.cameras.iter().map(|camera| holo_core::visible(&camera.name)).collect::<Vec<_>>(),
+            "frames": (seconds > 0.0).then(|| (seconds * frames_per_second) as u64 + 1),
             "bounds": scene.bounds().map(|(low, high)| [low, high]),
             "notes": notes.take(),
         })));
@@ -143,14 +146,16 @@ impl<'a> Studio<'a> {
         }
     }
 
-    /// The job of a look, and the key of its world.
+    /// The job of a look at its first frame, and the key of its world.
     fn job(&mut self, look: &Look) -> Result<(RenderJob, WorldKey), Ended> {
         let is_kept = self.source.as_ref().is_some_and(|(_, key)| !look.scene.is_empty() && *key == look.scene);
         if !is_kept {
             self.source = Some(job::scene(look, self.preview, self.inbox)?);
         }
         let Some((source, scene)) = &self.source else { return Err(Ended::Newer) };
-        let job = job::of(look, source.clone(), self.preview)?;
+        let mut job = job::of(look, source.clone(), self.preview)?;
+        let frames = &mut job.settings.scene.frames;
+        *frames = frames.map(|frames| Frames::one(frames.first));
         let key = WorldKey::new(scene, &job);
         Ok((job, key))
     }

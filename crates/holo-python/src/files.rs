@@ -69,15 +69,10 @@ impl Reader {
         self.reader.disparity_range_px()
     }
 
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.reader.warnings().to_vec()
-    }
-
-    /// The samples, axes (v, u, t, s, c), and whether they are on the sRGB curve.
-    fn read<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, bool), Failure> {
+    /// The samples, axes (v, u, t, s, c), whether they are on the sRGB curve, and all warnings.
+    fn read<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, bool, Vec<String>), Failure> {
         let file = py.detach(|| LightFieldReader::open(&self.path, &self.options)?.read())?;
-        Ok((give_field(py, file.light_field), file.color_encoding == ColorEncoding::Srgb))
+        Ok((give_field(py, file.light_field), file.color_encoding == ColorEncoding::Srgb, file.warnings))
     }
 
     /// One view, axes (row, column, channel). Of an HDF5 file only its chunks are read.
@@ -117,11 +112,12 @@ pub fn export(
     out: PathBuf,
     views: Option<Size>,
     group: Option<String>,
+    names: Vec<(String, String)>,
 ) -> Result<Told<Vec<String>>, Failure> {
     let choices: Vec<(&str, &ExportTarget)> = EXPORT_TARGETS.iter().map(|target| (target.name, target)).collect();
     let target = options::choice("target", target, &choices)?;
     let views = views.map(|(rows, columns)| GridSize::new(rows, columns));
-    let job = ExportJob::new(input, target).views(views).group(group);
+    let job = ExportJob::new(input, target).views(views).group(group).names(names);
     let run = |tell: &dyn Diagnostics| Ok(job.run(out, &Rollback::default(), tell)?.files);
     Ok(py.detach(|| listening(run))?)
 }

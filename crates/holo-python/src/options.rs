@@ -65,7 +65,7 @@ pub fn layout(word: &str) -> Result<Layout, Failure> {
 }
 
 pub fn order(word: &str) -> Result<ViewOrder, Failure> {
-    choice("order", word, &[("row-major", ViewOrder::RowMajor), ("serpentine", ViewOrder::Serpentine)])
+    choice("order", word, &ViewOrder::ALL.map(|order| (order.name(), order)))
 }
 
 pub fn effort(word: &str) -> Result<Effort, Failure> {

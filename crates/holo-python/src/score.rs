@@ -1,10 +1,8 @@
 //! Scores of disparity maps and images, by the names of `holo eval --json`.
 
-use holo_core::metrics::{
-    BAD_PIXEL_THRESHOLDS_PX, NormalGeometry, Region, bumpiness, disparity_scores, median_angle_error_deg, psnr_db,
-    ssim, trivial_constant, trivial_plane,
-};
-use holo_core::{GridSize, Sample};
+use holo_core::Sample;
+use holo_core::metrics::{psnr_db, ssim};
+use holo_dataset::{MapScoring, QuantityValue};
 use ndarray::ArrayView3;
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
@@ -14,10 +12,7 @@ use crate::arrays::Image;
 use crate::failure::Failure;
 use crate::rig::Rig;
 
-/// The threshold at which the best constant and plane are found: the benchmark's widest.
-const FIT_THRESHOLD_PX: f64 = 0.07;
-
-/// A disparity map against ground truth.
+/// A disparity map against ground truth, over all scored pixels and by region.
 #[pyfunction]
 pub fn evaluate<'py>(
     py: Python<'py>,
@@ -26,33 +21,19 @@ pub fn evaluate<'py>(
     border_px: usize,
     mask: Option<PyReadonlyArray2<'py, bool>>,
     rig: Option<Rig>,
+    regions: Vec<(String, PyReadonlyArray2<'py, bool>)>,
 ) -> Result<Bound<'py, PyDict>, Failure> {
-    let (estimate, truth) = (estimate.as_array(), truth.as_array());
+    let regions: Vec<_> = regions.into_iter().map(|(name, mask)| (name, mask.as_array().to_owned())).collect();
     let mask = mask.as_ref().map(|mask| mask.as_array());
-    let region = Region { border_px, mask };
+    let scoring = MapScoring::with_border(border_px).mask(mask).rig(rig.map(|rig| rig.0)).regions(&regions);
     let dict = PyDict::new(py);
-    let scores = disparity_scores(&estimate, &truth, &region)?;
-    for (threshold, percent) in BAD_PIXEL_THRESHOLDS_PX.into_iter().zip(scores.bad_pixels_percent) {
-        dict.set_item(format!("bad_pixels_{threshold}_percent"), percent)?;
+    for row in scoring.scores(estimate.as_array(), truth.as_array())? {
+        match row.value {
+            QuantityValue::Number(value) => dict.set_item(row.key, value)?,
+            QuantityValue::Count(count) => dict.set_item(row.key, count)?,
+            _ => {}
+        }
     }
-    let constant = trivial_constant(&truth, FIT_THRESHOLD_PX, &region)?.bad_pixels_percent;
-    dict.set_item("best_constant_bad_pixels_percent", constant)?;
-    let plane = trivial_plane(&truth, FIT_THRESHOLD_PX, &region)?.bad_pixels_percent;
-    dict.set_item("best_plane_bad_pixels_percent", plane)?;
-    dict.set_item("mean_squared_error_x100", scores.mean_squared_error_x100)?;
-    dict.set_item("q25_x100", scores.q25_x100)?;
-    dict.set_item("bumpiness", bumpiness(&estimate, &truth, &region)?.value)?;
-    dict.set_item("mean_absolute_error_px", scores.mean_absolute_error_px)?;
-    dict.set_item("root_mean_squared_error_px", scores.root_mean_squared_error_px)?;
-    let (rows, columns) = truth.dim();
-    if let Some(rig) = rig.filter(|rig| rig.0.shape().lenses() == GridSize::new(rows, columns)) {
-        let angle = median_angle_error_deg(&estimate, &truth, &rig.0, NormalGeometry::Pinhole, &region)?;
-        dict.set_item("median_angle_deg", angle.value)?;
-    }
-    dict.set_item("border_px", border_px)?;
-    dict.set_item("compared", scores.counts.compared)?;
-    dict.set_item("estimate_not_finite", scores.counts.estimate_not_finite)?;
-    dict.set_item("truth_not_finite", scores.counts.truth_not_finite)?;
     Ok(dict)
 }
 

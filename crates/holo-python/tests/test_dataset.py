@@ -90,6 +90,8 @@ def test_export_is_that_of_the_command_line(folder, tmp_path):
     assert tmp_path / "npy" / "plaster.npy" in files and all(file.is_file() for file in files)
     (job,) = holo.Dataset(folder / "set", scenes=["plaster"], views=[(3, 3)])
     exported = np.load(tmp_path / "npy" / "plaster.npy")
+    holo.export(folder / "set", "npy", tmp_path / "named", views=3, names={"plaster": "boxes"})
+    assert (np.load(tmp_path / "named" / "boxes.npy") == exported).all()
     assert (exported[1, 2] == job.view(1, 2)).all()
     assert (np.load(tmp_path / "npy" / "plaster_disparity.npy") == job.disparity).all()
     with pytest.raises(holo.UsageError, match="9 x 9"):

@@ -126,6 +126,39 @@ def test_refocus_estimate_evaluate(rendering):
         unknown.disparity(effort="draft")
 
 
+def test_regions_are_scored():
+    truth = np.zeros((20, 20), np.float32)
+    estimate = truth.copy()
+    estimate[:, 5:10] = 0.2
+    estimate[np.arange(20) % 4 < 2, 10:] = -0.2
+    columns = np.broadcast_to(np.arange(20), (20, 20))
+    regions = {"fine": columns >= 5, "fine_surrounding": columns < 10, "plane": columns < 3, "mine": columns == 5,
+               "empty": columns < 0}
+    scores = holo.evaluate(estimate, truth, border=2, regions=regions)
+    assert scores["fine_thinning_percent"] == pytest.approx(100 * 4 / 13)
+    assert scores["fine_fattening_percent"] == pytest.approx(100 * 5 / 8)
+    assert scores["plane_bumpiness"] == 0
+    assert scores["mine_bad_pixels_0.07_percent"] == 100
+    assert not any(name.startswith("empty") for name in scores)
+    with pytest.raises(holo.Error):
+        holo.evaluate(estimate, truth, border=2, regions={"fine": np.zeros((3, 3), bool)})
+
+
+def test_images_show_their_order(tmp_path):
+    rows, columns = np.mgrid[:30, :40]
+    wave = lambda t, s: 128 + 60 * np.sin(0.6 * (columns + 0.7 * s) + 0.3 * (rows + 0.7 * t))  # noqa: E731
+    for index in range(9):
+        t, s = index // 3, index % 3
+        s = 2 - s if t % 2 else s
+        holo.write_image(tmp_path / f"view_{index // 3}_{index % 3}.png", wave(t, s)[..., None].astype(np.uint8))
+    with pytest.warns(holo.HoloWarning, match="of serpentine"):
+        field = holo.open(tmp_path)
+    assert field.views == (3, 3)
+    with pytest.warns(holo.HoloWarning, match="9 images") as said:
+        holo.open(tmp_path, order="serpentine")
+    assert len(said) == 1
+
+
 def test_pickles_images_and_xarray(rendering):
     field = pickle.loads(pickle.dumps(rendering.light_field))
     assert np.array_equal(field.array, rendering.light_field.array) and field.rig == rendering.rig

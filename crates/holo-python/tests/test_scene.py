@@ -65,6 +65,24 @@ def test_executors_render_datasets(tmp_path, kind):
         holo.Dataset.render(tmp_path / "bad", scenes=["plaster"], views=[0])
 
 
+def test_dask_and_submitit_render_datasets(tmp_path):
+    import submitit
+    from distributed import Client, LocalCluster
+
+    options = dict(scenes=["plaster", "chess"], views=[2], sensor=(32, 48), spp=1, threads=1, parts=2)
+    alone = holo.Dataset.render(tmp_path / "alone", **{**options, "parts": None})
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        dask = holo.Dataset.render(tmp_path / "dask", executor=client.get_executor(), **options)
+    # What Slurm would run, in processes of this computer.
+    slurm = submitit.AutoExecutor(folder=tmp_path / "log", cluster="local")
+    slurm = holo.Dataset.render(tmp_path / "slurm", executor=slurm, **options)
+    for dataset in (dask, slurm):
+        assert [job.scene for job in dataset] == ["plaster", "chess"]
+        for job, expected in zip(dataset, alone):
+            for name in ("scene_el.png", "scene_disparity.pfm"):
+                assert (job.path / name).read_bytes() == (expected.path / name).read_bytes()
+
+
 def test_a_pose_places_the_camera(scene):
     options = {**OPTIONS, "integrator": "depth", "layers": ["depth"]}
     pose = holo.Pose(eye=(0, 0, 1.5), target=(0, 0, -2))

@@ -17,6 +17,7 @@
 //! package  build each library from its package alone
 //! bench    setup + the benchmarks
 //! wild DIR setup + render every glTF file below DIR, compare with Cycles, write a table into target/wild/
+//! consumers DIR setup + build + run the loading code of the repositories below DIR over what `holo export` writes
 //! speed OLD setup + two builds of `holo` by turns, programs or commits: what NEW (this one) gains or costs
 //! report   setup + measure speed against error into report/; --peers: beside Mitsuba and Blender
 //! ```
@@ -24,6 +25,7 @@
 
 mod blender;
 mod cmake;
+mod consumers;
 mod demo;
 mod dist;
 mod embree;
@@ -48,7 +50,7 @@ use pip::Availability;
 
 const USAGE: &str = "usage: cargo xtask setup | build | demo | test | dist [--check] | clippy | doc | embree | \
     fuzz [SECONDS [TARGET..] | corpora] | package | python [PYTEST ARGUMENTS] | blender [--bundle] [--test] | modules | bench | speed OLD [NEW] .. | report [--quick] [--peers] [--only TEXT].. [--out DIR] | \
-    sanitize [address] [thread] [miri] | wild DIR [--list FILE]";
+    sanitize [address] [thread] [miri] | wild DIR [--list FILE] | consumers DIR [--only TEXT]..";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -97,6 +99,10 @@ fn run(arguments: &[String]) -> Result {
         "wild" => {
             setup()?;
             wild::run(rest)
+        }
+        "consumers" => {
+            setup()?;
+            consumers::run(rest)
         }
         "bench" => {
             setup()?;

@@ -23,7 +23,7 @@ class RENDER_OT_holoscopic(bpy.types.Operator):
     sensor: StringProperty(name="Sensor", description="hd, 4k, 8k, uhd8k or WIDTHxHEIGHT; empty: that of the camera")
     views: StringProperty(name="Views", description="COLUMNSxROWS or one number for both; empty: those of the camera")
     lenses: StringProperty(name="Lenses", description="COLUMNSxROWS pixels of a view, instead of a sensor")
-    spp: FloatProperty(name="Samples", default=0, min=0, description="0: those of the camera")
+    spp: FloatProperty(name="Samples", default=0, min=0, description="0: the quality of the camera")
     animation: BoolProperty(name="Animation", description="All frames, each in a folder of its own")
     viewer: BoolProperty(name="Viewer", description="Open the light field in a browser afterwards")
     options: StringProperty(name="Options", description="More options of holo render, such as --seed=3")
@@ -105,7 +105,7 @@ class RENDER_OT_holoscopic(bpy.types.Operator):
         self._folder = self._out / f"frame_{frame:04d}" if self.animation else self._out
         camera = context.scene.camera
         options = plenoptic_options(camera) if camera.data.holoscopic.kind == "PLENOPTIC" else self._rig_options(camera)
-        options["spp"] = geometry.samples_text(self.spp or camera.data.holoscopic.spp)
+        options |= quality_options(camera, self.spp)
         options["no-indirect"] = not camera.data.holoscopic.indirect
         line = program.words(self._program, exported, self._folder, options)
         return program.Run([*line, *self.options.split()])
@@ -126,7 +126,6 @@ class RENDER_OT_holoscopic(bpy.types.Operator):
             else:
                 options["f-number"] = f"{settings.f_number:.9g}"
             options["focus-m"] = focus_option(camera)
-        options["denoise"] = "views" if settings.denoise else "off"
         return options
 
     def _finish(self, run):
@@ -154,9 +153,22 @@ def plenoptic_options(camera):
     """The options of a plenoptic camera."""
     settings = camera.data.holoscopic
     options = {"camera-file": settings.preset}
+    if settings.preset == "OWN":
+        if not settings.camera_file:
+            raise ValueError("choose a camera file, or a model of the list")
+        options["camera-file"] = bpy.path.abspath(settings.camera_file)
     if settings.focus != "AUTO":
         options["focus-m"] = focus_option(camera)
     return options
+
+
+def quality_options(camera, spp=0):
+    """The options of the quality; `spp`: samples a pixel instead."""
+    settings = camera.data.holoscopic
+    found = properties.QUALITIES[settings.quality][2]
+    if found is not None and not spp:
+        return dict(found)
+    return {"spp": geometry.samples_text(spp or settings.spp), "denoise": "views" if settings.denoise else "off"}
 
 
 def focus_option(camera):

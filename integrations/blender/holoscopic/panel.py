@@ -24,14 +24,17 @@ class HOLOSCOPIC_PT_camera(bpy.types.Panel):
         layout.prop(settings, "kind")
         if settings.kind == "PLENOPTIC":
             layout.prop(settings, "preset")
+            if settings.preset == "OWN":
+                layout.prop(settings, "camera_file")
         else:
             draw_rig(layout, settings)
         draw_optics(layout, context, settings)
         column = layout.column()
-        column.prop(settings, "spp")
-        column.prop(settings, "indirect")
-        if settings.kind == "RIG":
+        column.prop(settings, "quality")
+        if settings.quality == "SAMPLES":
+            column.prop(settings, "spp")
             column.prop(settings, "denoise")
+        column.prop(settings, "indirect")
         column.prop(settings, "directory")
         layout.label(text="Images are plain sRGB, as the view transform Standard: not AgX", icon="INFO")
         draw_losses(layout, context)

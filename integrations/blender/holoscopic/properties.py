@@ -20,20 +20,30 @@ PRESETS = (
     ("h3dv", "H3DV", "1920 x 1088 px, holoscopic video camera"),
     ("focused-p45", "Focused P45", "7240 x 5432 px, focused"),
     ("home-made", "Home-made", "6000 x 4000 px"),
+    ("OWN", "Camera File", "A camera.toml of your own"),
 )
+
+# The words and sets of the page of `holo preview`.
+QUALITIES = {
+    "CLEAN": ("Clean", "About 2 % of noise", {"denoise": "views", "target-error": "2%"}),
+    "DRAFT": ("Draft", "The soonest image", {"spp": "1/16", "denoise": "views"}),
+    "SAMPLES": ("Samples a Pixel", "A number of samples", None),
+    "REFERENCE": ("Reference", "1024 samples", {"spp": "1024", "denoise": "off", "reuse": "off"}),
+}
 
 
 class HoloscopicCamera(bpy.types.PropertyGroup):
     """The rig or the plenoptic camera that takes the place of a camera of Blender."""
 
     kind: EnumProperty(
-        name="Kind",
+        name="Camera",
         items=(
-            ("RIG", "Ideal Views", "A grid of pinhole cameras: the raw image of an ideal holoscopic camera"),
+            ("RIG", "Rig of Views", "A grid of pinhole cameras: the raw image of an ideal holoscopic camera"),
             ("PLENOPTIC", "Plenoptic Camera", "Main lens, microlenses and sensor of a real camera"),
         ),
     )
-    preset: EnumProperty(name="Camera", items=PRESETS)
+    preset: EnumProperty(name="Model", items=PRESETS)
+    camera_file: StringProperty(name="File", subtype="FILE_PATH", description="A camera.toml, as `holo camera` writes it")
     sensor: EnumProperty(
         name="Sensor",
         items=(
@@ -50,17 +60,17 @@ class HoloscopicCamera(bpy.types.PropertyGroup):
     views_x: IntProperty(name="Views X", default=100, min=1, soft_max=200)
     views_y: IntProperty(name="Y", default=100, min=1, soft_max=200)
     spacing: EnumProperty(
-        name="Baseline",
+        name="Views Apart by",
         items=(
-            ("AUTO", "Automatic", "The views share the aperture of a lens of this f-number"),
-            ("OWN", "Own", "A distance between adjacent views"),
-            ("DISPARITY", "By Disparity", "Baseline and focus from the smallest and largest disparity"),
+            ("AUTO", "f-Number", "The views share the aperture of a lens of this f-number"),
+            ("DISPARITY", "Disparities", "Baseline and focus from the smallest and largest disparity"),
+            ("OWN", "Baseline", "A distance between adjacent views"),
         ),
         default="DISPARITY",
     )
     f_number: FloatProperty(name="f-Number", default=geometry.F_NUMBER, min=0.1, soft_max=32.0)
     baseline_mm: FloatProperty(name="Baseline (mm)", default=1.0, min=0.0, precision=3)
-    disparity_min: FloatProperty(name="Disparity Min (px)", default=-1.0)
+    disparity_min: FloatProperty(name="Disparities (px)", default=-1.0)
     disparity_max: FloatProperty(name="Max", default=1.0)
     focus: EnumProperty(
         name="Focus",
@@ -71,6 +81,9 @@ class HoloscopicCamera(bpy.types.PropertyGroup):
         ),
     )
     focus_m: FloatProperty(name="Distance", default=3.0, min=0.001, unit="LENGTH")
+    quality: EnumProperty(
+        name="Quality", items=[(key, name, words) for key, (name, words, _) in QUALITIES.items()], default="CLEAN"
+    )
     spp: FloatProperty(
         name="Samples",
         default=16,

@@ -110,7 +110,8 @@ def test_the_panel_says_what_is_rendered(scene, tmp_path):
     camera = scene.camera
     settings = camera.data.holoscopic
     settings.sensor, settings.width, settings.height = "OTHER", 250, 170
-    settings.views_x, settings.views_y, settings.spp, settings.denoise = 4, 4, 1, False
+    settings.views_x, settings.views_y = 4, 4
+    settings.quality, settings.spp, settings.denoise = "SAMPLES", 1, False
     bpy.context.view_layer.objects.active = camera
     assert bpy.ops.holoscopic.measure() == {"FINISHED"}
     lines = drawn(camera)
@@ -195,11 +196,42 @@ def test_what_is_lost_is_listed(scene):
     assert "Not exported" in labels and lines[0] in labels
 
 
+def test_qualities_are_those_of_the_preview(scene):
+    from holoscopic import operators, properties
+
+    camera = scene.camera
+    settings = camera.data.holoscopic
+    page = (pathlib.Path(__file__).parents[3] / "crates/holo-preview/src/page/controls.js").read_text()
+    for key, (_, _, options) in properties.QUALITIES.items():
+        settings.quality = key
+        found = operators.quality_options(camera)
+        if options is None:
+            assert found == {"spp": "16", "denoise": "views"}
+            continue
+        assert found == options
+        words = ", ".join(f"'{name}': '{value}'" if "-" in name else f"{name}: '{value}'" for name, value in options.items())
+        assert f"{key.lower()}: {{ {words} }}" in page, words
+    settings.quality = "DRAFT"
+    assert operators.quality_options(camera, 4) == {"spp": "4", "denoise": "views"}
+
+
+def test_a_camera_file_of_ones_own(scene, tmp_path):
+    settings = scene.camera.data.holoscopic
+    settings.kind, settings.preset = "PLENOPTIC", "OWN"
+    with pytest.raises(RuntimeError, match="camera file"):
+        render(tmp_path, spp=1)
+    mine = tmp_path / "mine.toml"
+    subprocess.run([os.environ["HOLO"], "camera", "h3dv", "--out", str(mine)], check=True, capture_output=True)
+    settings.camera_file = str(mine)
+    assert render(tmp_path / "out", spp=1, options="--integrator=direct") == {"FINISHED"}
+    assert tuple(bpy.data.images["Plenoptic Raw"].size) == (1920, 1088)
+
+
 def test_presets_are_those_of_the_program():
     from holoscopic import properties
 
     listed = subprocess.run([os.environ["HOLO"], "camera"], capture_output=True, text=True, check=True).stdout
-    assert {line.split()[0] for line in listed.splitlines()} == {name for name, *_ in properties.PRESETS}
+    assert {line.split()[0] for line in listed.splitlines()} == {name for name, *_ in properties.PRESETS} - {"OWN"}
 
 
 def test_a_plenoptic_camera(scene, tmp_path):

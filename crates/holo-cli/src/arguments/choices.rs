@@ -73,6 +73,12 @@ pub const NORMALS: &Choices<NormalsArgument> = &[
 pub const ORDERS: &Choices<ViewOrder> = &[
     (ViewOrder::RowMajor, "row-major", "Every row from left to right, as the HCI benchmark counts"),
     (ViewOrder::Serpentine, "serpentine", "Every second row from right to left, as a gantry moves"),
+    (ViewOrder::ColumnMajor, "column-major", "Every column from above"),
+    (ViewOrder::ColumnSerpentine, "column-serpentine", "Every second column from below"),
+    (ViewOrder::RowMajorUp, "row-major-up", "row-major with the lowest row first"),
+    (ViewOrder::SerpentineUp, "serpentine-up", "serpentine with the lowest row first"),
+    (ViewOrder::ColumnMajorUp, "column-major-up", "Every column from below"),
+    (ViewOrder::ColumnSerpentineUp, "column-serpentine-up", "column-serpentine with the first column from below"),
 ];
 
 pub const KERNELS: &Choices<Kernel> = &[

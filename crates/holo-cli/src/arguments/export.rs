@@ -24,6 +24,15 @@ pub struct ExportOptions {
     /// Group of the scenes, a folder that some readers expect [default: that of the readers' own examples].
     #[arg(long, value_name = "NAME")]
     pub group: Option<String>,
+    /// Other names of scenes, such as chess=boxes,garden=cotton.
+    #[arg(long, value_name = "OURS=THEIRS,..", value_delimiter = ',', value_parser = pair_of_names)]
+    pub names: Vec<(String, String)>,
+}
+
+fn pair_of_names(text: &str) -> Result<(String, String), String> {
+    let pair = text.split_once('=').filter(|(ours, theirs)| !ours.is_empty() && !theirs.is_empty());
+    let (ours, theirs) = pair.ok_or("names are OURS=THEIRS, such as chess=boxes")?;
+    Ok((ours.to_owned(), theirs.to_owned()))
 }
 
 /// A parser of the names of targets.

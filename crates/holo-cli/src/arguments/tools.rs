@@ -85,6 +85,9 @@ pub struct DepthOptions {
     /// Confidence map to write, 0 to 1.
     #[arg(long, value_name = "FILE.pfm")]
     pub confidence: Option<PathBuf>,
+    /// Seconds of the estimate to write, as a submission to the HCI benchmark has them (runtimes/SCENE.txt).
+    #[arg(long, value_name = "FILE.txt")]
+    pub runtime: Option<PathBuf>,
     /// Print no summary.
     #[arg(long)]
     pub quiet: bool,

@@ -14,7 +14,7 @@ pub fn run(options: &DepthOptions) -> Result<(), Failure> {
     if !options.quiet {
         files::say_source(&reader);
     }
-    let file = reader.read()?;
+    let file = files::read_samples(reader)?;
     let mut sweep = PlaneSweepOptions::default().effort(options.effort);
     if let Some((min, max)) = options.range.or(file.disparity_range_px) {
         sweep = sweep.range_px(min as f32, max as f32);
@@ -30,6 +30,9 @@ pub fn run(options: &DepthOptions) -> Result<(), Failure> {
     holo_io::write_pfm(&options.out, estimate.disparity_px.view())?;
     if let Some(path) = &options.confidence {
         holo_io::write_pfm(path, estimate.confidence.view())?;
+    }
+    if let Some(path) = &options.runtime {
+        holo_io::write_file(path, format!("{seconds:.3}\n").as_bytes())?;
     }
     if !options.quiet {
         let views = file.light_field.shape().views();

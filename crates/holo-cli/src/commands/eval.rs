@@ -2,15 +2,12 @@
 
 use std::path::Path;
 
-use holo_core::metrics::{
-    BAD_PIXEL_THRESHOLDS_PX, ErrorColors, NormalGeometry, Region, bumpiness, disparity_scores, error_map,
-    median_angle_error_deg, psnr_db, ssim, trivial_constant, trivial_plane,
-};
-use holo_core::{DynImage, GridSize, Rig, Sample, for_each_sample};
-use holo_dataset::{NamedQuantity, QuantityValue};
+use holo_core::metrics::{ErrorColors, error_map, psnr_db, ssim};
+use holo_core::{DynImage, GridSize, Rig};
+use holo_dataset::{MapScoring, NamedQuantity, QuantityValue, read_mask};
 use holo_io::dataset::HIT_MASK_PNG;
 use holo_io::{ColorEncoding, Compression, FileFormat, Limits};
-use ndarray::{Array2, Axis};
+use ndarray::Array2;
 
 use crate::arguments::{EvalOptions, NormalsArgument};
 use crate::console::say;
@@ -19,9 +16,6 @@ use crate::quantities;
 
 /// The name of a mask of all pixels.
 const ALL_PIXELS: &str = "none";
-
-/// The threshold at which the best constant and plane are found: the benchmark's widest.
-const FIT_THRESHOLD_PX: f64 = 0.07;
 
 pub fn run(options: &EvalOptions) -> Result<(), Failure> {
     let kinds = [holo_io::detect_format(&options.estimate)?, holo_io::detect_format(&options.truth)?];
@@ -39,57 +33,24 @@ pub fn run(options: &EvalOptions) -> Result<(), Failure> {
     quantities::print(&rows, options.json)
 }
 
-fn row(key: &str, name: &str, value: f64, unit: &'static str) -> NamedQuantity {
-    NamedQuantity::new(key, name, QuantityValue::Number(value), unit)
-}
-
 fn maps(options: &EvalOptions) -> Result<Vec<NamedQuantity>, Failure> {
     let limits = Limits::default();
     let estimate = holo_io::read_pfm_gray(&options.estimate, &limits)?;
     let truth = holo_io::read_pfm_gray(&options.truth, &limits)?;
     let (mask, scored) = mask_of(options, truth.dim())?;
-    let region = Region { border_px: options.border, mask: mask.as_ref().map(|mask| mask.view()) };
-    let scores = disparity_scores(&estimate, &truth, &region)?;
-    let mut rows = Vec::new();
-    for (threshold, percent) in BAD_PIXEL_THRESHOLDS_PX.into_iter().zip(scores.bad_pixels_percent) {
-        let key = format!("bad_pixels_{threshold}_percent");
-        rows.push(row(&key, &format!("BadPix({threshold})"), percent, "%"));
-    }
-    let constant = trivial_constant(&truth, FIT_THRESHOLD_PX, &region)?.bad_pixels_percent;
-    let plane = trivial_plane(&truth, FIT_THRESHOLD_PX, &region)?.bad_pixels_percent;
-    rows.extend([
-        row("best_constant_bad_pixels_percent", "BadPix(0.07), best constant", constant, "%"),
-        row("best_plane_bad_pixels_percent", "BadPix(0.07), best plane", plane, "%"),
-        row("mean_squared_error_x100", "MSE x 100", scores.mean_squared_error_x100, "px^2"),
-        row("q25_x100", "Q25 x 100", scores.q25_x100, "px"),
-        row("bumpiness", "bumpiness", bumpiness(&estimate, &truth, &region)?.value, ""),
-        row("mean_absolute_error_px", "mean absolute error", scores.mean_absolute_error_px, "px"),
-        row("root_mean_squared_error_px", "root mean squared error", scores.root_mean_squared_error_px, "px"),
-    ]);
-    if let Some(rig) = rig_beside(&options.truth, truth.dim()) {
-        // The benchmark abbreviates it as MAE, which means another measure elsewhere.
-        let angle = median_angle_error_deg(&estimate, &truth, &rig, NormalGeometry::Pinhole, &region)?;
-        rows.push(row("median_angle_deg", "MedianAngleError", angle.value, "degrees"));
-        if options.normals == NormalsArgument::Toolkit {
-            let angle = median_angle_error_deg(&estimate, &truth, &rig, NormalGeometry::Toolkit, &region)?;
-            rows.push(row("median_angle_toolkit_deg", "MedianAngleError, HCI toolkit", angle.value, "degrees"));
-        }
-    } else if options.normals == NormalsArgument::Toolkit {
+    let rig = rig_beside(&options.truth, truth.dim());
+    let toolkit_normals = options.normals == NormalsArgument::Toolkit;
+    if toolkit_normals && rig.is_none() {
         return Err(Failure::Failed(format!(
             "{}: no parameters.cfg of its size beside it, which normals need",
             options.truth.display()
         )));
     }
-    rows.push(NamedQuantity::new("mask", "mask of the scored pixels", QuantityValue::Text(scored), ""));
-    let counts = scores.counts;
-    for (key, name, count) in [
-        ("border_px", "border left out at every side", options.border),
-        ("compared", "pixels compared", counts.compared),
-        ("estimate_not_finite", "without a finite estimate", counts.estimate_not_finite),
-        ("truth_not_finite", "without a finite truth", counts.truth_not_finite),
-    ] {
-        rows.push(NamedQuantity::new(key, name, QuantityValue::Count(count), "pixels"));
-    }
+    let regions = holo_dataset::region_masks(&options.truth, truth.dim())?;
+    let scoring = MapScoring::with_border(options.border).mask(mask.as_ref().map(|mask| mask.view())).rig(rig);
+    let mut rows = scoring.toolkit_normals(toolkit_normals).regions(&regions).scores(estimate.view(), truth.view())?;
+    let numbers = rows.iter().position(|row| row.key == "border_px").unwrap_or(rows.len());
+    rows.insert(numbers, NamedQuantity::new("mask", "mask of the scored pixels", QuantityValue::Text(scored), ""));
     if let Some(path) = &options.error_map {
         let image = error_map(&estimate, &truth, options.error_range, &ErrorColors::default())?;
         holo_io::write_png(path, image.view(), ColorEncoding::Srgb, Compression::Best)?;
@@ -126,13 +87,6 @@ fn mask_of(options: &EvalOptions, size: (usize, usize)) -> Result<(Option<Array2
     Ok((Some(mask), path))
 }
 
-fn read_mask(path: &Path) -> Result<Array2<bool>, Failure> {
-    let samples = holo_io::read_png(path, &Limits::default())?;
-    Ok(
-        for_each_sample!(DynImage, samples, image => image.index_axis(Axis(2), 0).mapv(|value| Sample::to_f64(value) > 0.0)),
-    )
-}
-
 fn images(options: &EvalOptions) -> Result<Vec<NamedQuantity>, Failure> {
     if options.mask.is_some() || options.error_map.is_some() {
         return Err(Failure::Usage("--mask and --error-map are for disparity maps".into()));
@@ -149,5 +103,6 @@ fn images(options: &EvalOptions) -> Result<Vec<NamedQuantity>, Failure> {
                 return Err(Failure::Failed(format!("{}: {what}", options.estimate.display())));
             }
         };
+    let row = |key, name, value, unit| NamedQuantity::new(key, name, QuantityValue::Number(value), unit);
     Ok(vec![row("psnr_db", "PSNR", psnr, "dB"), row("ssim", "SSIM", ssim, "")])
 }

@@ -13,7 +13,7 @@ pub fn run(options: &ExtractOptions) -> Result<(), Failure> {
     if let (Some(places), Some(view)) = (options.view, only_view(options, &reader)?) {
         return write(options, places, reader.shape().views(), |_, _| Ok(view.as_image_ref()));
     }
-    let light_field = reader.read()?.light_field;
+    let light_field = files::read_samples(reader)?.light_field;
     let shape = light_field.shape();
     match (options.view, options.lens) {
         (Some(places), _) => write(options, places, shape.views(), |row, column| light_field.view(row, column)),

@@ -15,7 +15,15 @@ use crate::failure::Failure;
 pub fn read(input: &InputOptions) -> Result<LightFieldFile, Failure> {
     let reader = open(&input.input, input)?;
     say_source(&reader);
-    Ok(reader.read()?)
+    read_samples(reader)
+}
+
+/// Reads the samples of an open light field, and says what they show to be wrong.
+pub fn read_samples(reader: LightFieldReader) -> Result<LightFieldFile, Failure> {
+    let said = reader.warnings().len();
+    let file = reader.read()?;
+    file.warnings.iter().skip(said).for_each(|warning| say!("warning: {warning}"));
+    Ok(file)
 }
 
 /// Says what of a folder is read, where that is a choice or not what a folder usually has.

@@ -156,6 +156,97 @@ fn pinhole_cameras_are_exported_for_radiance_fields() {
     assert!(!bench.path("two").exists());
 }
 
+/// The toolkit's truth of high resolution and masks, and truth of all views where it was rendered.
+#[test]
+fn the_toolkit_of_the_benchmark_gets_masks_and_truth_of_high_resolution() {
+    let bench = Bench::new();
+    let field = rendered(&bench);
+    let refused = bench.run("export lf --for hci-toolkit --out out");
+    assert!(refused.code == Some(2) && refused.stderr.contains("hci-highres"), "{refused:?}");
+    ok(bench.run(&format!(
+        "render {SCENE} --out all --views 9 --lenses 16x12 --disparity -1,1 --spp 1 --quiet --write hci-highres,masks,el \
+         --ground-truth all"
+    )));
+    ok(bench.run("export all --for hci-toolkit --out out --group stratified --names all=boxes"));
+    let scene = "out/data/stratified/boxes";
+    let map = |name: &str| holo_io::read_pfm_gray(bench.path(name), &Limits::default()).unwrap();
+    assert_eq!(map(&format!("{scene}/gt_disp_highres.pfm")), map("all/hci/gt_disp_highres.pfm"));
+    assert_eq!(map(&format!("{scene}/gt_disp_highres.pfm")).dim(), (120, 160));
+    for k in [0, 17, 80] {
+        let name = format!("gt_disp_lowres_Cam{k:03}.pfm");
+        assert_eq!(map(&format!("{scene}/{name}")), map(&format!("all/hci/{name}")));
+    }
+    assert_eq!(read_u8(bench.path(format!("{scene}/input_Cam013.png"))), field.view(1, 4).unwrap());
+    let text = std::fs::read_to_string(bench.path(format!("{scene}/parameters.cfg"))).unwrap();
+    for line in ["category = stratified", "scene = boxes", "depth_map_scale = 10"] {
+        assert!(text.contains(line), "{text}");
+    }
+    for (ours, theirs) in [("discontinuity", "mask_discontinuities"), ("plane", "mask_planes"), ("fine", "mask_fine")] {
+        let own = read_u8(bench.path(format!("all/masks/{ours}.png")));
+        assert_eq!(read_u8(bench.path(format!("{scene}/{theirs}_lowres.png"))), own);
+        let large = read_u8(bench.path(format!("{scene}/{theirs}_highres.png")));
+        assert!(large.indexed_iter().all(|((v, u, c), &code)| code == own[[v / 10, u / 10, c]]), "{theirs}");
+    }
+    assert!(bench.path("out/algo_results/method/runtimes").is_dir());
+    // An estimate is scored in either resolution.
+    ok(bench.run(&format!("depth {scene} --out estimate.pfm --runtime seconds.txt --quiet")));
+    let seconds: f64 = std::fs::read_to_string(bench.path("seconds.txt")).unwrap().trim().parse().unwrap();
+    assert!(seconds >= 0.0);
+    let scores = |truth: &str| -> serde_json::Value {
+        let line = format!("eval estimate.pfm {scene}/{truth} --mask none --border 2 --json");
+        serde_json::from_str(&ok(bench.run(&line)).stdout).unwrap()
+    };
+    let (low, high) = (scores("gt_disp_lowres.pfm"), scores("gt_disp_highres.pfm"));
+    assert_eq!((&low["border_px"], &high["border_px"]), (&2.into(), &20.into()));
+    for scores in [low, high] {
+        assert!(scores["discontinuity_bad_pixels_0.07_percent"].is_number(), "{scores}");
+        assert!(scores["plane_bumpiness"].is_number(), "{scores}");
+    }
+}
+
+/// All light fields of a dataset lie in one array.
+#[cfg(feature = "hdf5")]
+#[test]
+fn light_fields_are_joined_for_lfasr() {
+    let bench = Bench::new();
+    let line = "dataset --out set --scenes plaster,fence --views 3 --lenses 12x10 --spp 1 --write el --quiet";
+    ok(bench.run(line));
+    ok(bench.run("export set --for lfasr --out out"));
+    let files = bench.list("out");
+    assert_eq!(files, ["README.txt", "test.h5", "train.h5"]);
+    let bytes = std::fs::read(bench.path("out/test.h5")).unwrap();
+    // Without compression the values lie in the file as they are: those of both scenes, one after the other.
+    let field = |scene: &str| {
+        let path = bench.path(format!("set/{scene}/3x3"));
+        LightFieldReader::open(path, &ReadOptions::default()).unwrap().read().unwrap().light_field
+    };
+    let mut expected: Vec<u8> = Vec::new();
+    for scene in ["plaster", "fence"] {
+        let holo_core::DynLightField::U8(field) = field(scene) else { panic!("codes") };
+        let samples = field.samples().permuted_axes([2, 3, 0, 1, 4]);
+        for rgb in samples.lanes(ndarray::Axis(4)) {
+            for row in
+                [[65.481, 128.553, 24.966, 16.0], [-37.797, -74.203, 112.0, 128.0], [112.0, -93.786, -18.214, 128.0]]
+            {
+                let sum: f64 = (0..3).map(|c| row[c] * f64::from(rgb[c])).sum();
+                expected.push((sum / 255.0 + row[3]).round() as u8);
+            }
+        }
+    }
+    assert!(bytes.windows(expected.len()).any(|part| part == expected));
+    assert_eq!(expected.len(), 2 * 9 * 120 * 3);
+    for (arguments, words) in [
+        ("export set --for lfasr --out two --names chess=boxes", "no scene chess"),
+        ("export set --for lfasr --out two --names plaster=fence", "two scenes"),
+        ("export set --for lfasr --out two --names plaster=a/b", "no name of a folder"),
+        ("export set --for lfasr --out two --names plaster", "OURS=THEIRS"),
+    ] {
+        let refused = bench.run(arguments);
+        assert!(refused.code == Some(2) && refused.stderr.contains(words), "{arguments}: {refused:?}");
+    }
+    assert!(!bench.path("two").exists());
+}
+
 #[test]
 fn datasets_are_exported_whole_and_wrong_use_is_refused() {
     let bench = Bench::new();

@@ -134,7 +134,17 @@ fn masks_say_which_pixels_are_hard() {
     let bench = Bench::new();
     let render = format!("render {SCENE} --lenses 96x64 --views 5 --baseline-m 0.05 --quiet --write masks");
     assert_eq!(bench.run(&format!("{render} --out out --layers hit-mask,visibility")).code, Some(0));
-    let expected = ["discontinuity", "occluded", "plane", "reflective", "textureless", "valid"];
+    let expected = [
+        "discontinuity",
+        "fine",
+        "fine_surrounding",
+        "occluded",
+        "plane",
+        "reflective",
+        "smooth",
+        "textureless",
+        "valid",
+    ];
     assert_eq!(bench.list("out/masks"), expected.map(|name| format!("{name}.png")));
     let mask = |name: &str| read_u8(bench.path(format!("out/masks/{name}.png"))).index_axis_move(Axis(2), 0);
     let layer = |name: &str| map(&bench, &format!("out/scene_{name}.pfm")).index_axis_move(Axis(2), 0);

@@ -2,48 +2,8 @@
 
 use ndarray::ArrayView3;
 
-use super::{Layout, LightField, LightFieldOwned};
+use super::{Layout, LightField, LightFieldOwned, ViewOrder};
 use crate::{Error, GridSize, LightFieldShape};
-
-/// The order in which a list holds the views of a light field.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum ViewOrder {
-    /// Row by row, every row from left to right: the numbering `t*S + s` of the HCI benchmark.
-    #[default]
-    RowMajor,
-    /// Row by row, in alternating directions, the first row from left to right: the usual path of a gantry, also called
-    /// "lawnmower" or "snake".
-    Serpentine,
-}
-
-impl ViewOrder {
-    /// Returns the row and column `(t, s)` of the view at `index` of the list.
-    ///
-    /// Indices from `views.count()` on have rows below the grid.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::ZeroCount`] if the grid has no columns.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use holo_core::{GridSize, ViewOrder};
-    ///
-    /// let views = GridSize::new(2, 3);
-    /// assert_eq!(ViewOrder::RowMajor.view(3, views)?, (1, 0));
-    /// assert_eq!(ViewOrder::Serpentine.view(3, views)?, (1, 2));
-    /// # Ok::<(), holo_core::Error>(())
-    /// ```
-    pub fn view(self, index: usize, views: GridSize) -> Result<(usize, usize), Error> {
-        if views.columns == 0 {
-            return Err(Error::ZeroCount { what: "view columns" });
-        }
-        let (row, column) = (index / views.columns, index % views.columns);
-        let backwards = self == Self::Serpentine && row % 2 == 1;
-        Ok((row, if backwards { views.columns - 1 - column } else { column }))
-    }
-}
 
 impl<T: Copy> LightFieldOwned<T> {
     /// Copies a list of views into a light field with the memory order of `layout`.
@@ -117,19 +77,11 @@ mod tests {
     }
 
     #[test]
-    fn serpentine_reverses_every_other_row() {
-        let order: Vec<_> =
-            (0..9).map(|index| ViewOrder::Serpentine.view(index, GridSize::new(3, 3)).unwrap()).collect();
-        assert_eq!(order, [(0, 0), (0, 1), (0, 2), (1, 2), (1, 1), (1, 0), (2, 0), (2, 1), (2, 2)]);
-        assert!(ViewOrder::RowMajor.view(0, GridSize::new(3, 0)).is_err());
-    }
-
-    #[test]
     fn composed_light_fields_have_the_given_views_in_both_layouts_and_orders() {
         let views = GridSize::new(3, 2);
         let images: Vec<_> = (0..6).map(image).collect();
         for layout in [Layout::ElementalGrid, Layout::ViewpointGrid] {
-            for order in [ViewOrder::RowMajor, ViewOrder::Serpentine] {
+            for order in ViewOrder::ALL {
                 let borrowed = images.iter().map(|image| image.view());
                 let light_field = LightField::from_views(views, order, layout, borrowed).unwrap();
                 for (index, image) in images.iter().enumerate() {

@@ -10,6 +10,9 @@ use crate::{Error, Real};
 /// The thresholds of the benchmark's BadPix measures, in pixels.
 pub const BAD_PIXEL_THRESHOLDS_PX: [f64; 3] = [0.01, 0.03, 0.07];
 
+/// The threshold of the benchmark's scores of fine structures, in pixels.
+pub const FINE_THRESHOLD_PX: f64 = 0.15;
+
 /// The general measures of one disparity map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisparityScores {
@@ -122,6 +125,70 @@ pub fn bad_pixels_percent<A: Real, B: Real>(
     Ok(percent_above(&errors, counts, threshold_px))
 }
 
+/// Returns the fattening: the percentage of pixels whose estimate is too near, by more than a threshold, among those with
+/// a finite ground truth. The measure is for what surrounds fine structures: pass their mask with the [`Region`].
+///
+/// A pixel without a finite estimate is not too near.
+///
+/// # Units
+///
+/// The threshold in pixels, the result in percent.
+///
+/// # Errors
+///
+/// As [`bad_pixels_percent`].
+///
+/// # Source
+///
+/// `FineFattening` of the toolkit, whose threshold is [`FINE_THRESHOLD_PX`].
+pub fn fattening_percent<A: Real, B: Real>(
+    estimate: &ArrayRef2<A>,
+    truth: &ArrayRef2<B>,
+    threshold_px: f64,
+    region: &Region<'_>,
+) -> Result<f64, Error> {
+    let threshold_px = not_negative("fattening threshold in pixels", threshold_px)?;
+    percent_of(estimate, truth, region, |error_px| error_px > threshold_px)
+}
+
+/// Returns the thinning: the percentage of pixels whose estimate is too far, by more than a threshold, among those with a
+/// finite ground truth. The measure is for fine structures: pass their mask with the [`Region`].
+///
+/// A pixel without a finite estimate is not too far.
+///
+/// # Units
+///
+/// The threshold in pixels, the result in percent.
+///
+/// # Errors
+///
+/// As [`bad_pixels_percent`].
+///
+/// # Source
+///
+/// `FineThinning` of the toolkit, whose threshold is [`FINE_THRESHOLD_PX`].
+pub fn thinning_percent<A: Real, B: Real>(
+    estimate: &ArrayRef2<A>,
+    truth: &ArrayRef2<B>,
+    threshold_px: f64,
+    region: &Region<'_>,
+) -> Result<f64, Error> {
+    let threshold_px = not_negative("thinning threshold in pixels", threshold_px)?;
+    percent_of(estimate, truth, region, |error_px| error_px < -threshold_px)
+}
+
+/// The percentage of pixels with a finite truth whose error is as wanted.
+fn percent_of<A: Real, B: Real>(
+    estimate: &ArrayRef2<A>,
+    truth: &ArrayRef2<B>,
+    region: &Region<'_>,
+    is_counted: impl Fn(f64) -> bool,
+) -> Result<f64, Error> {
+    let (errors, counts) = errors(estimate, truth, region, "disparity error")?;
+    let counted = errors.into_iter().filter(|&error| is_counted(error)).count();
+    Ok(100.0 * counted as f64 / (counts.region - counts.truth_not_finite) as f64)
+}
+
 /// BadPix of a list of errors and its counts.
 fn percent_above(errors: &[f64], counts: PixelCounts, threshold_px: f64) -> f64 {
     let bad = errors.iter().filter(|error| error.abs() > threshold_px).count() + counts.estimate_not_finite;
@@ -160,6 +227,18 @@ mod tests {
         assert_eq!(bad_pixels_percent(&truth, &truth, 0.0, &ALL), Ok(0.0));
         for threshold in [-1.0, f64::NAN, f64::INFINITY] {
             assert!(bad_pixels_percent(&estimate, &truth, threshold, &ALL).is_err(), "{threshold}");
+        }
+    }
+
+    #[test]
+    fn fattening_and_thinning_are_the_two_signs_of_large_errors() {
+        let truth = array![[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f64::NAN]];
+        let estimate = array![[0.15, 0.15_f64.next_up(), 1.0, -0.15, -9.0, f64::NAN, f64::INFINITY, 1.0]];
+        assert_eq!(fattening_percent(&estimate, &truth, FINE_THRESHOLD_PX, &ALL), Ok(200.0 / 7.0));
+        assert_eq!(thinning_percent(&estimate, &truth, FINE_THRESHOLD_PX, &ALL), Ok(100.0 / 7.0));
+        for threshold in [-1.0, f64::NAN] {
+            assert!(fattening_percent(&estimate, &truth, threshold, &ALL).is_err());
+            assert!(thinning_percent(&estimate, &truth, threshold, &ALL).is_err());
         }
     }
 

@@ -7,7 +7,7 @@ use holo_core::plenoptic::Decoded;
 use holo_io::{CameraFile, Manifest, ManifestValue, ParametersCfg, Sha256, dataset, hash_file};
 use holo_render::{Integrator, Layer, LayerSet, Layers, RayCounts, Rendered};
 use holo_scene::Transform;
-use ndarray::{Array3, Axis};
+use ndarray::{Array2, Array3, Axis};
 
 use super::linear_image::read_linear;
 use crate::Error;
@@ -16,7 +16,13 @@ use crate::output::{Exposed, OutputFolder, Rollback, Traced, TracedCamera, Trace
 use crate::resume::identity::check_replaceable;
 use crate::settings::{EngineSettings, Output, RenderSettings};
 use crate::shot::{SceneSource, Stage, half_view, pose_of_scene};
-use crate::watch::Diagnostics;
+use crate::watch::{About, Diagnostics};
+
+/// A white image whose micro-images lie farther from those of the camera is a warning, px.
+const MOST_GRID_ERROR_PX: f64 = 0.1;
+
+/// White images with fewer micro-images are not compared with the camera.
+const FEWEST_LENSES: usize = 900;
 
 /// A raw image, a white image and their camera.
 #[derive(Clone, Debug)]
@@ -114,7 +120,11 @@ impl DecodeJob {
             return Err(holo_core::Error::Shape { what: "raw image", expected, found: found.to_vec() }.into());
         }
         let white = match &self.white {
-            Some(path) => read_linear(path)?.index_axis_move(Axis(2), 0),
+            Some(path) => {
+                let white = read_linear(path)?.index_axis_move(Axis(2), 0);
+                self.check_grid(path, &white, diagnostics)?;
+                white
+            }
             None => lit_white_image(&self.camera)?,
         };
         let decoded = camera.decode(raw.view(), white.view(), count)?;
@@ -153,6 +163,33 @@ impl DecodeJob {
         folder.unseal()?;
         write_white(&mut folder, "scene_weight", &weight)?;
         Ok((rig, write(&settings, traced, Exposed { ev, electrons: None }, folder)?.files))
+    }
+
+    /// Warns of a white image whose micro-images do not lie where the camera has them.
+    fn check_grid(&self, path: &Path, white: &Array2<f32>, diagnostics: &dyn Diagnostics) -> Result<(), Error> {
+        let camera = &self.camera.camera;
+        let (path, name) = (path.display(), &self.camera.name);
+        let line = match camera.white_grid(white.view())? {
+            None if camera.lens_count() < FEWEST_LENSES => return Ok(()),
+            None => format!("{path}: it has not the grid of micro-images of {name}"),
+            Some(found) if found.largest_px > MOST_GRID_ERROR_PX => {
+                let pitch_px = camera.micro_image_pitch_px();
+                let rotation_deg = camera.array().rotation_rad.to_degrees();
+                format!(
+                    "{path}: its micro-images lie up to {:.2} px from those of {name}: their pitch is {:.4} px instead of \
+                     {pitch_px:.4}, their rotation {:.4} degrees instead of {rotation_deg:.4}, and in the middle of the \
+                     sensor they lie {:.2} px to the right and {:.2} px down",
+                    found.largest_px,
+                    pitch_px * found.scale,
+                    rotation_deg + found.rotation_rad.to_degrees(),
+                    found.offset_px[0],
+                    found.offset_px[1]
+                )
+            }
+            Some(_) => return Ok(()),
+        };
+        diagnostics.report(About::Setup, &format!("warning: {line}; views will be mixed: correct the camera file"));
+        Ok(())
     }
 
     /// Depth and disparity of the central view, if there is a scene.

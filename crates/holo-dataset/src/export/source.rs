@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use holo_core::Rig;
-use holo_core::{DynLightField, GridSize, LightFieldOwned, Sample, for_each_sample};
-use holo_io::dataset::{DatasetCamera, DatasetIndex, HIT_MASK_PNG, MANIFEST_JSON};
-use holo_io::{LightFieldReader, Limits, ReadOptions};
+use holo_core::{DynLightField, GridSize, LightFieldOwned};
+use holo_io::dataset::{DISPARITY_PFM, DatasetCamera, DatasetIndex, HCI_FOLDER, HIT_MASK_PNG, MANIFEST_JSON};
+use holo_io::{HciFolder, HciQuantity, HciResolution, LightFieldReader, Limits, ReadOptions};
 use holo_render::exposure;
-use ndarray::{Array2, Axis};
+use ndarray::Array2;
 
 use crate::Error;
 use crate::describe::is_dataset;
+use crate::score::{RegionMask, read_mask, region_masks};
 
 /// A light field that is not read yet.
 pub(super) struct SourceField {
@@ -33,6 +34,8 @@ pub(super) struct LoadedField {
     pub depth_m: Option<Array2<f32>>,
     /// What the central view hits.
     pub hits: Option<Array2<bool>>,
+    /// Regions of the central view.
+    pub regions: Vec<RegionMask>,
     path: PathBuf,
 }
 
@@ -87,18 +90,21 @@ impl SourceField {
     /// `number` is its place among all light fields of an export.
     pub fn load(&self, number: usize) -> Result<LoadedField, Error> {
         let reader = LightFieldReader::open(&self.path, &ReadOptions::default())?;
-        let (disparity_px, depth_m) = (reader.central_disparity_px()?, reader.central_depth_m()?);
+        let (mut disparity_px, mut depth_m) = (reader.central_disparity_px()?, reader.central_depth_m()?);
+        if let Some(folder) = hci_folder(&self.path) {
+            // Where the files that are read have none.
+            let truth = |quantity| folder.central_truth(quantity, HciResolution::Low, &Limits::default());
+            disparity_px = disparity_px.map_or_else(|| truth(HciQuantity::Disparity), |map| Ok(Some(map)))?;
+            depth_m = depth_m.map_or_else(|| truth(HciQuantity::Depth), |map| Ok(Some(map)))?;
+        }
         let mask = self.path.join(HIT_MASK_PNG);
         let hits = match mask.is_file() {
-            true => {
-                let image = holo_io::read_png(&mask, &Limits::default())?;
-                Some(for_each_sample!(DynImage, image, image => {
-                    image.index_axis(Axis(2), 0).mapv(|value| Sample::to_f64(value) > 0.0)
-                }))
-            }
+            true => Some(read_mask(&mask)?),
             // The depth of what is not hit is infinite, its disparity is not.
             false => depth_m.as_ref().map(|depth| depth.mapv(f32::is_finite)),
         };
+        let size = depth_m.as_ref().map(|depth| depth.dim());
+        let regions = size.map_or(Ok(Vec::new()), |size| region_masks(&self.path.join(DISPARITY_PFM), size))?;
         let read = reader.read()?;
         let rig = read.rig;
         let field = codes(read.light_field.without_alpha()?)?;
@@ -110,12 +116,40 @@ impl SourceField {
             disparity_px,
             depth_m,
             hits,
+            regions,
             path: self.path.clone(),
         })
     }
 }
 
+/// The light fields under other names; one that is not there is an error.
+pub(super) fn renamed(fields: Vec<SourceField>, names: &[(String, String)]) -> Result<Vec<SourceField>, Error> {
+    if let Some((ours, _)) = names.iter().find(|(ours, _)| fields.iter().all(|field| field.name != *ours)) {
+        let known: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
+        let ours = holo_core::shown(ours);
+        return Err(Error::BadRequest(format!("`names`: there is no scene {ours}; there are {}", known.join(", "))));
+    }
+    let new = |name: &str| names.iter().find(|(ours, _)| ours == name).map_or(name, |(_, new)| new).to_owned();
+    let fields: Vec<SourceField> =
+        fields.into_iter().map(|field| SourceField { name: new(&field.name), ..field }).collect();
+    let repeated = fields.iter().enumerate().find(|(k, field)| fields[..*k].iter().any(|one| one.name == field.name));
+    match repeated {
+        Some((_, field)) => Err(Error::BadRequest(format!("`names`: two scenes would be {}", field.name))),
+        None => Ok(fields),
+    }
+}
+
+/// The folder of the HCI benchmark that a folder is, or has.
+fn hci_folder(path: &Path) -> Option<HciFolder> {
+    [path.join(HCI_FOLDER), path.to_owned()].iter().find_map(|path| HciFolder::open(path).ok())
+}
+
 impl LoadedField {
+    /// The folder of the HCI benchmark that the light field is, or has.
+    pub fn hci_folder(&self) -> Option<HciFolder> {
+        hci_folder(&self.path)
+    }
+
     /// The error that this light field lacks something.
     pub fn lacks(&self, what: &str, advice: &str) -> Error {
         Error::BadRequest(format!("{}: {what}; {advice}", self.path.display()))

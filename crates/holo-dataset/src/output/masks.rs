@@ -8,6 +8,9 @@
 //! | `textureless` | the albedo of the pixels around, 5 x 5, differs by less than 0.02 in every channel |
 //! | `reflective` | the surface mirrors light or lets it pass ([`holo_scene::Material::is_reflective`]) |
 //! | `plane` | all pixels around, 3 x 3, have normals within 0.1 degrees, and no jump |
+//! | `smooth` | the same with normals within 10 degrees, where it is no plane: a curved surface |
+//! | `fine` | narrower than 8 px: between two jumps to what is farther, along a row, a column or a diagonal |
+//! | `fine_surrounding` | at most 4 px from something fine, and farther by a jump |
 
 use std::ops::Range;
 
@@ -41,6 +44,12 @@ const AROUND_TEXTURE: usize = 2;
 /// 1 - the cosine of the angle between normals of one plane: 0.1 degrees.
 const PLANE: f32 = 1.5e-6;
 
+/// The same of a smooth surface: 10 degrees.
+const SMOOTH: f32 = 0.0152;
+
+/// Fine structures are narrower, px; what surrounds them is as near as half of that.
+const FINE_PX: usize = 8;
+
 /// Writes all masks: 8-bit PNGs, 255 where a pixel belongs to the mask.
 pub(super) fn write(folder: &mut OutputFolder, rendered: &Rendered, visibility: &Array2<f32>) -> Result<(), Error> {
     folder.subfolder(FOLDER)?;
@@ -53,15 +62,26 @@ pub(super) fn write(folder: &mut OutputFolder, rendered: &Rendered, visibility: 
     Ok(())
 }
 
-fn masks(central: &Layers<Array3<f32>>, visibility: &Array2<f32>) -> [(&'static str, Array2<bool>); 6] {
+fn masks(central: &Layers<Array3<f32>>, visibility: &Array2<f32>) -> [(&'static str, Array2<bool>); 9] {
     let scalar = |layer: Layer| central[layer].index_axis(Axis(2), 0).to_owned();
     let valid = scalar(Layer::HitMask).mapv(|hit| hit > 0.0);
-    let near_jump = jumps(&scalar(Layer::Disparity));
+    let disparity = scalar(Layer::Disparity);
+    let near_jump = jumps(&disparity);
     let normals = central[Layer::GeometricNormal].view();
-    let plane = around(valid.dim(), 1, |window, [v, u]| {
-        let own = normals.slice_axis(Axis(0), (v..v + 1).into());
-        let cosine = |y: usize, x: usize| -> f32 { (0..3).map(|c| own[[0, u, c]] * normals[[y, x, c]]).sum() };
-        valid[[v, u]] && !near_jump.0[[v, u]] && every(&window, |y, x| valid[[y, x]] && 1.0 - cosine(y, x) < PLANE)
+    let is_even_surface = |flatness: f32| {
+        around(valid.dim(), 1, |window, [v, u]| {
+            let own = normals.slice_axis(Axis(0), (v..v + 1).into());
+            let cosine = |y: usize, x: usize| -> f32 { (0..3).map(|c| own[[0, u, c]] * normals[[y, x, c]]).sum() };
+            let is_flat = |y: usize, x: usize| valid[[y, x]] && 1.0 - cosine(y, x) < flatness;
+            valid[[v, u]] && !near_jump.0[[v, u]] && every(&window, is_flat)
+        })
+    };
+    let (plane, smooth) = (is_even_surface(PLANE), is_even_surface(SMOOTH));
+    let smooth = smooth & !&plane;
+    let fine = fine(&disparity, &valid);
+    let fine_surrounding = around(valid.dim(), FINE_PX / 2, |window, [v, u]| {
+        let is_farther = |y: usize, x: usize| fine[[y, x]] && disparity[[y, x]] - disparity[[v, u]] > JUMP_PX;
+        valid[[v, u]] && !fine[[v, u]] && !every(&window, |y, x| !is_farther(y, x))
     });
     let albedo = central[Layer::Albedo].view();
     let textureless =
@@ -73,6 +93,9 @@ fn masks(central: &Layers<Array3<f32>>, visibility: &Array2<f32>) -> [(&'static 
         ("textureless", textureless),
         ("reflective", scalar(Layer::Reflective).mapv(|share| share > 0.0)),
         ("plane", plane),
+        ("smooth", smooth),
+        ("fine", fine),
+        ("fine_surrounding", fine_surrounding),
         ("valid", valid),
     ]
 }
@@ -101,6 +124,32 @@ fn jumps(disparity: &Array2<f32>) -> (Array2<bool>, Array2<bool>) {
     (beside, near)
 }
 
+/// The pixels of what is narrower than [`FINE_PX`] in one of four directions: jumps to what is farther end it on both sides.
+fn fine(disparity: &Array2<f32>, valid: &Array2<bool>) -> Array2<bool> {
+    // How many pixels of the structure follow a pixel until what is farther begins; `None` if that is not so near.
+    let beyond = |[v, u]: [usize; 2], step: [isize; 2]| {
+        let mut own = disparity[[v, u]];
+        for count in 0..FINE_PX {
+            let place =
+                [(v, step[0]), (u, step[1])].map(|(at, step)| at.checked_add_signed(step * (count as isize + 1)));
+            let [Some(y), Some(x)] = place else { return None };
+            let next = *disparity.get([y, x])?;
+            if (next - own).abs() > JUMP_PX {
+                return (next < own).then_some(count);
+            }
+            own = next;
+        }
+        None
+    };
+    Array2::from_shape_fn(disparity.dim(), |(v, u)| {
+        let is_narrow = |step: [isize; 2]| {
+            let sides = [beyond([v, u], step), beyond([v, u], step.map(|x| -x))];
+            matches!(sides, [Some(one), Some(other)] if one + other + 1 < FINE_PX)
+        };
+        valid[[v, u]] && [[0, 1], [1, 0], [1, 1], [1, -1]].into_iter().any(is_narrow)
+    })
+}
+
 /// Whether the albedo of the hits in a window hardly differs.
 fn is_even(albedo: ArrayView3<f32>, valid: &Array2<bool>, [rows, columns]: &Window) -> bool {
     (0..3).all(|c| {
@@ -118,6 +167,27 @@ fn is_even(albedo: ArrayView3<f32>, valid: &Array2<bool>, [rows, columns]: &Wind
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A bar of seven pixels, one of eight, a slope that falls on both sides, and a gap.
+    #[test]
+    fn fine_structures_are_narrow_and_in_front() {
+        let mut row = vec![0.0_f32; 60];
+        row[10..17].fill(1.0);
+        row[25..33].fill(1.0);
+        for (k, value) in row[36..45].iter_mut().enumerate() {
+            *value = 0.05 * (4.0 - (k as f32 - 4.0).abs());
+        }
+        row[50..54].fill(-1.0);
+        let disparity = Array2::from_shape_fn((30, 60), |(_, u)| row[u]);
+        let found = fine(&disparity, &Array2::from_elem((30, 60), true));
+        let columns: Vec<usize> = (0..60).filter(|&u| found[[15, u]]).collect();
+        assert_eq!(columns, (10..17).collect::<Vec<_>>());
+        assert!(
+            fine(&disparity.clone().reversed_axes(), &Array2::from_elem((60, 30), true))[[12, 15]],
+            "in every direction"
+        );
+        assert!(!fine(&disparity, &Array2::from_elem((30, 60), false))[[15, 12]], "nothing is hit");
+    }
 
     /// A plane on the left and a nearer, textured one on the right, whose last column nothing is hit in.
     #[test]
@@ -149,6 +219,9 @@ mod tests {
         assert_eq!(row("discontinuity"), "...######...", "a slope is no jump");
         assert_eq!(row("textureless"), "####........");
         assert_eq!(row("plane"), "#####..###..", "not beside the edge at {edge}, nor beside what is not hit");
+        assert_eq!(row("smooth"), "............", "both are planes");
+        assert_eq!(row("fine"), "............", "nothing farther is on its right");
+        assert_eq!(row("fine_surrounding"), "............");
         assert_eq!(row("reflective"), "............");
         assert!(masks.iter().any(|(name, mask)| *name == "reflective" && mask[[0, 3]]));
     }

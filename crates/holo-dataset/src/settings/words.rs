@@ -95,7 +95,7 @@ words!(Output:
     (Output::Disparity, "disparity", "scene_disparity.pfm and .png of the central view"),
     (Output::Depth, "depth", "scene_depth.pfm of the central view"),
     (Output::Masks, "masks",
-        "masks/: valid, occluded, discontinuity, textureless, reflective and plane pixels of the central view, for scores"),
+        "masks/: valid, occluded, textureless, reflective, plane, fine.. pixels of the central view, for scores"),
     (Output::Exr, "exr",
         "scene_central.exr: color and all layers of the central view, linear. With el or vpi also scene_el.exr, \
          scene_vpi.exr"),

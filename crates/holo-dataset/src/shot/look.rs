@@ -1,5 +1,6 @@
 //! One camera after another in the same scene, for programs that show a scene while its camera is set up.
 
+use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_render::{Layer, Renderer, Request, World};
 
 use super::job::RenderJob;
@@ -9,6 +10,9 @@ use super::warning::{self, RenderWarning};
 use crate::Error;
 use crate::output::Wanted;
 use crate::watch::Diagnostics;
+
+/// The longer side of an image that shows if a render needs a warning, px.
+const FEW_PIXELS: usize = 128;
 
 impl RenderJob {
     /// Loads the scene of the job at its frame, with its sky and its ground.
@@ -70,7 +74,20 @@ impl Prepared {
     /// [`Error::Render`] as for any render of depth.
     pub fn warnings(&self) -> Result<Vec<RenderWarning>, Error> {
         let Some(rig) = self.rig() else { return Ok(Vec::new()) };
-        let central = self.renderer.central_layers(rig, [Layer::Depth].into())?;
-        Ok(warning::of(rig, &central))
+        let warnings = |seen: &Rig| -> Result<Vec<RenderWarning>, Error> {
+            Ok(warning::of(rig, &self.renderer.central_layers(seen, [Layer::Depth].into())?))
+        };
+        // The same image with fewer pixels sees less: what it does not warn of is no warning.
+        let (views, lenses) = (rig.shape().views(), rig.shape().lenses());
+        let part = (FEW_PIXELS as f64 / lenses.larger() as f64).min(1.0);
+        let few = |count: usize| ((count as f64 * part).round() as usize).max(1);
+        let few = GridSize::new(few(lenses.rows), few(lenses.columns));
+        if few != lenses {
+            let seen = rig.to_builder().shape(LightFieldShape::new(views, few)?).build()?;
+            if warnings(&seen)?.is_empty() {
+                return Ok(Vec::new());
+            }
+        }
+        warnings(rig)
     }
 }

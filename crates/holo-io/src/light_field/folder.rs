@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{Layout, LightFieldShape};
+use holo_core::{GridSize, Layout, LightFieldShape};
 
 use super::archives::MitFolder;
 use super::file;
+use super::grid_of_names::grid_of_names;
 use super::natural_order::list_images;
 use super::options::ReadOptions;
 #[cfg(feature = "camera")]
@@ -355,13 +356,27 @@ fn open_images(path: &Path, files: Vec<PathBuf>, options: &ReadOptions) -> Resul
         reader.rig = mit.rig(shape);
         return Ok(reader);
     }
-    let views =
-        options.views.ok_or_else(|| missing(format!("it does not specify the grid of its {} views", files.len())))?;
+    let (views, files, note) = match (options.views, grid_of_names(&files)) {
+        (Some(views), _) => (views, files, None),
+        (None, Some((grid, files))) => {
+            let views = if options.order.is_by_columns() { GridSize::new(grid.columns, grid.rows) } else { grid };
+            let what = format!(
+                "{}: its {} images are taken for {views} views in the order {}, by their names; choose `views` and \
+                 `order` if they are others",
+                path.display(),
+                files.len(),
+                options.order.name()
+            );
+            (views, files, Some(what))
+        }
+        (None, None) => return Err(missing(format!("it does not specify the grid of its {} views", files.len()))),
+    };
     if files.len() != views.count() {
         return Err(missing(format!("it has {} images, but {views} views need {}", files.len(), views.count())));
     }
     let source = Source::Images { files, order: options.order };
     let mut reader = LightFieldReader::new(path, options, LightFieldFormat::ImageFolder, shape(views)?, source);
     reader.color_encoding = encoding(info.kind.is_float());
+    reader.warnings.extend(note);
     Ok(reader.complete_from(&parameters_path(path)))
 }

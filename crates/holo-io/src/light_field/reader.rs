@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use holo_core::{
     ColorEncoding, DynImage, DynLightField, GridSize, Layout, LightFieldOwned, LightFieldShape, PlaneSweepOptions, Rig,
+    ViewOrder, for_each_sample,
 };
 use ndarray::Array2;
 
@@ -240,7 +241,10 @@ impl LightFieldReader {
     ///
     /// As [`read_light_field`](crate::read_light_field).
     pub fn read(self) -> Result<LightFieldFile, Error> {
+        let order = self.source.order();
         let light_field = self.source.read(&self.path, self.shape, &self.limits)?;
+        let mut warnings = self.warnings;
+        warnings.extend(order.and_then(|order| warning_of_order(&self.path, &light_field, order)));
         Ok(LightFieldFile {
             light_field,
             rig: self.rig,
@@ -248,7 +252,7 @@ impl LightFieldReader {
             format: self.format,
             layout: self.layout,
             disparity_range_px: self.disparity_range_px,
-            warnings: self.warnings,
+            warnings,
         })
     }
 
@@ -309,4 +313,19 @@ pub(super) fn parameters_path(path: &Path) -> PathBuf {
 /// The encoding of samples of a file that states none.
 pub(super) fn encoding(is_float: bool) -> ColorEncoding {
     if is_float { ColorEncoding::Linear } else { ColorEncoding::Srgb }
+}
+
+/// What is wrong with the order of the views, if the motion between them shows it.
+fn warning_of_order(path: &Path, light_field: &DynLightField, order: ViewOrder) -> Option<String> {
+    let found = for_each_sample!(DynLightField, light_field, field => field.view_order_of_images())?;
+    let (path, order) = (path.display(), order.name());
+    if order != ViewOrder::RowMajor.name() {
+        return Some(format!("{path}: the motion between the images is not that of the order {order}"));
+    }
+    let views = light_field.shape().views();
+    let views = if found.is_by_columns() { GridSize::new(views.columns, views.rows) } else { views };
+    Some(format!(
+        "{path}: the motion between the images is not that of the order {order}, but of {} ({views} views)",
+        found.name()
+    ))
 }

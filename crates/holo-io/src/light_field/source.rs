@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{DynImage, DynLightField, LightFieldShape};
+use holo_core::{DynImage, DynLightField, LightFieldShape, ViewOrder};
 use ndarray::Array2;
 
 use crate::{Error, Limits};
@@ -18,7 +18,7 @@ use {
     super::archives,
     crate::views::read_views,
     crate::{GantryFolder, HciFolder, HciQuantity, HciResolution, image_file::read_image},
-    holo_core::{Layout, ViewOrder},
+    holo_core::Layout,
 };
 
 /// A ground truth map of the central view.
@@ -89,6 +89,16 @@ impl Source {
             (Self::OldHci(file), map) => file.central_map(hdf5_map(map)),
             #[allow(unreachable_patterns, reason = "with one feature alone there is no other variant")]
             _ => Ok(None),
+        }
+    }
+
+    /// The order of a list of images, which the images may contradict.
+    pub(super) fn order(&self) -> Option<ViewOrder> {
+        match self {
+            #[cfg(feature = "png")]
+            Self::Images { order, .. } => Some(*order),
+            #[allow(unreachable_patterns, reason = "with one feature alone there is no other variant")]
+            _ => None,
         }
     }
 

@@ -133,6 +133,39 @@ fn a_folder_of_images_is_read_in_natural_order() {
     assert_eq!(read_light_field(folder.path(), &options).unwrap().rig, Some(rig()));
 }
 
+/// Names tell the grid, and the motion between the images tells if the order is another one.
+#[test]
+fn names_and_motion_tell_the_order_of_images() {
+    let shape = LightFieldShape::new(GridSize::new(3, 4), GridSize::new(30, 40)).unwrap();
+    let mut field = LightFieldOwned::filled(shape, 1, Layout::ViewpointGrid, 0_u8).unwrap();
+    for t in 0..3 {
+        for s in 0..4 {
+            for ((v, u, _), sample) in field.view_mut(t, s).unwrap().indexed_iter_mut() {
+                let [x, y] = [u as f64 + 0.7 * s as f64, v as f64 + 0.7 * t as f64];
+                *sample = (128.0 + 40.0 * (0.6 * x + 0.2 * y).sin() + 40.0 * (0.7 * y - 0.3 * x).sin()) as u8;
+            }
+        }
+    }
+    // Column by column, every second one from below; the names count columns and places on the way.
+    let folder = tempfile::tempdir().unwrap();
+    let views = shape.views();
+    for index in 0..12 {
+        let (t, s) = ViewOrder::ColumnSerpentine.view(index, views).unwrap();
+        let name = format!("IMG_0007_{index:03}_{:02}_{:02}.png", index / 3, index % 3);
+        let view = field.view(t, s).unwrap();
+        write_png(folder.path().join(name), view, ColorEncoding::Srgb, Compression::Fast).unwrap();
+    }
+    let file = read(folder.path()).unwrap();
+    assert_eq!(file.light_field.shape().views(), GridSize::new(4, 3));
+    let [grid, order] = &file.warnings[..] else { panic!("{:?}", file.warnings) };
+    assert!(grid.contains("12 images") && grid.contains("3x4"), "{grid}");
+    assert!(order.contains("of column-serpentine (4x3 views)"), "{order}");
+    // As it says, there is nothing more to say.
+    let options = ReadOptions::default().order(ViewOrder::ColumnSerpentine);
+    let file = read_light_field(folder.path(), &options).unwrap();
+    assert_eq!((file.light_field, file.warnings.len()), (field.into(), 1));
+}
+
 #[test]
 fn hci_and_gantry_folders_are_recognized() {
     let folder = tempfile::tempdir().unwrap();

@@ -59,6 +59,7 @@ const followSliders = () => {
   sliders['fov-deg'].follow(seen.view?.fov_deg ?? 45);
   sliders.exposure.follow(seen.view?.exposure_ev ?? 0);
   sliders.sky.follow(0);
+  sliders.frame.follow(parseInt(fields.frame.value, 10) || 0);
 };
 
 const logarithmic = (low, high) => [
@@ -148,6 +149,11 @@ const cameraControls = () => {
   });
   row('camera', 'focus-m', 'Focus, m', fields.focus, auto);
 
+  fields.frame = field('frame', 'at rest');
+  const lastFrame = () => Math.max((seen.scene?.frames ?? 1) - 1, 1);
+  const toFrame = (part) => Math.round(part * lastFrame());
+  row('camera', 'frame', 'Frame, A-B', slider('frame', fields.frame, toFrame, (frame) => frame / lastFrame()), fields.frame);
+
   fields.fov = field('fov-deg', 'scene');
   row('camera', 'fov-deg', 'Angle of view', slider('fov-deg', fields.fov, ...linear(5, 120, 1)), fields.fov);
 };
@@ -207,6 +213,7 @@ const qualityControls = () => {
 const showRows = () => {
   const isRig = state.camera === '';
   for (const key of ofRig) rows[key].hidden = !isRig;
+  rows.frame.hidden = !seen.scene?.frames;
   fields.lenses.hidden = fields.sensor.value !== '';
   rows.aperture.hidden = !isRig || fields.spacing.value !== 'f-number';
   rows['disparity-width'].hidden = !isRig || fields.spacing.value !== 'disparity';

@@ -139,6 +139,7 @@ element('home').addEventListener('click', leavePlace);
 const openScene = (name) => {
   state.scene = name;
   state.lens = null;
+  setSetting('frame', (fields.frame.value = ''));
   [seen.details, seen.depth] = [null, null];
   toggle('gallery', false);
   leavePlace();
@@ -193,7 +194,7 @@ on('hello', (header) => {
     }
   }
   element('render').disabled = !header.renders;
-  look.onItsWay = null;
+  look.onItsWay = [];
   // A small image first, as while the camera moves.
   changed(true);
 });
@@ -202,6 +203,7 @@ on('scene', (header) => {
   seen.scene = header;
   element('title').textContent = header.name;
   document.title = `${header.name} - holo preview`;
+  showRows();
   const notes = header.notes.filter((note) => note.startsWith('warning'));
   element('about').textContent = [`${header.triangles.toLocaleString()} triangles`, ...notes].join('; ');
 });
@@ -220,7 +222,8 @@ on('details', (header, bytes) => {
   const what = header.views
     ? `${header.views.join(' x ')} views of ${header.lenses.join(' x ')} px`
     : `${(pixels / 1e6).toPrecision(3)} million pixels, sees ${header.angles_deg.map((angle) => angle.toFixed(1)).join(' x ')} degrees`;
-  element('estimate').textContent = `${what}: about ${duration(seconds)} and ${size(disk)}`;
+  const each = header.frames > 1 ? ` for each of ${header.frames} frames` : '';
+  element('estimate').textContent = `${what}: about ${duration(seconds)} and ${size(disk)}${each}`;
   element('warnings').replaceChildren(...header.warnings.map((text) => make('li', {}, text)));
   element('command').textContent = header.command;
   element('python').textContent = header.python;

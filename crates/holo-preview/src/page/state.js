@@ -1,5 +1,5 @@
-// The state of the page, which goes to the server whole. At most one look is on its way; what changes meanwhile goes with
-// the next one.
+// The state of the page, which goes to the server whole. At most two looks of a moving camera are on their way, so that one
+// is drawn while the other is shown; what changes meanwhile goes with the next one.
 
 // A camera that has not moved for this long stands still.
 const SETTLE_MS = 180;
@@ -14,7 +14,7 @@ const state = {
 // What the server said about the newest image.
 const seen = { hello: null, scene: null, view: null, details: null, strip: null, depth: null };
 
-const look = { number: 0, onItsWay: null, isDirty: false, isHeld: false, moving: false, timer: 0, shown: 0, settled: 0 };
+const look = { number: 0, onItsWay: [], isDirty: false, isHeld: false, moving: false, timer: 0, shown: 0, settled: 0 };
 
 const stageSize = () => {
   const box = document.getElementById('stage').getBoundingClientRect();
@@ -38,20 +38,20 @@ const lookMessage = (kind) => ({
 
 const sendLook = () => {
   if (!isOpen()) return;
-  if (look.onItsWay !== null) {
+  if (look.onItsWay.length >= (look.moving ? 2 : 1)) {
     look.isDirty = true;
     return;
   }
   look.isDirty = false;
   look.number += 1;
-  look.onItsWay = look.number;
+  look.onItsWay.push(look.number);
   send(lookMessage('look'));
 };
 
 // The answer to a look has come, or it failed.
 const answered = (number) => {
-  if (number !== look.onItsWay) return;
-  look.onItsWay = null;
+  // Older ones will not be answered any more.
+  look.onItsWay = look.onItsWay.filter((other) => other > number);
   if (look.isDirty) sendLook();
 };
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pathlib
+from collections.abc import Mapping
 
 from . import _holo
 from ._options import tell
@@ -21,16 +22,17 @@ def export(
     *,
     views: int | tuple[int, int] | None = None,
     group: str | None = None,
+    names: Mapping[str, str] | None = None,
 ) -> list[pathlib.Path]:
     """Writes a light field, or those of a dataset, as the files that another program reads, as `holo export` does.
 
     input: a dataset of `holo dataset`, or a folder or file with one light field. target: one of `export_targets()`. out: an
     empty or missing folder. views: those of a dataset that has several numbers of them, one number or (rows, columns).
-    group: the folder of the scenes, where readers expect one.
+    group: the folder of the scenes, where readers expect one. names: other names of scenes, such as {"chess": "boxes"}.
 
     Returns the files. A target that needs what the light fields do not have is a UsageError.
     """
     views = (views, views) if isinstance(views, int) else views
-    files, lines = _holo.export(pathlib.Path(input), target, pathlib.Path(out), views, group)
+    files, lines = _holo.export(pathlib.Path(input), target, pathlib.Path(out), views, group, list((names or {}).items()))
     tell(lines)
     return [pathlib.Path(out) / name for name in files]

@@ -398,12 +398,13 @@ def open(  # noqa: A001
     of views, the HCI benchmark, the Stanford archive, ESLF of Lytro, the MIT archive.
 
     views: (T, S), if the files do not say it. layout: "el" or "vpi", if the name of a raw image does not say it. order:
-    "row-major" or "serpentine", of a folder of images.
+    "row-major", "serpentine", "column-major", "column-serpentine" or one of these with "-up" (from below), of a folder of
+    images; a warning tells if the images show another order.
     """
     reader = _holo.Reader(path, views, layout, order)
-    for line in reader.warnings:
+    array, is_srgb, lines = reader.read()
+    for line in lines:
         warnings.warn(line, HoloWarning, stacklevel=2)
-    array, is_srgb = reader.read()
     return _restored(array, reader.rig, is_srgb, reader.disparity_range_px)
 
 

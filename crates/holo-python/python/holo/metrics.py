@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ def evaluate(
     border: int = 15,
     mask: np.ndarray | None = None,
     rig: Rig | None = None,
+    regions: Mapping[str, np.ndarray] | None = None,
 ) -> dict[str, float]:
     """Scores a disparity map against ground truth with the metrics of the HCI 4D light field benchmark.
 
@@ -31,13 +33,16 @@ def evaluate(
     border: pixels at every side that are not compared, as in the benchmark and in `holo eval`.
     mask: True where pixels are compared, axes (row, column).
     rig: adds the median angle between surface normals.
+    regions: masks by name that are scored too, such as those of `Job.masks`: thinning of "fine", fattening of
+    "fine_surrounding", bumpiness and median angles of "plane" and "smooth", BadPix(0.07) of any other.
 
     Returns the quantities of `holo eval --json`: BadPix at 0.01, 0.03 and 0.07 px in percent, MSE x 100, Q25 x 100,
     bumpiness, mean absolute and root mean squared error in pixels, BadPix(0.07) of the best constant and of the best
     plane, the border, numbers of pixels.
     """
     mask = None if mask is None else np.ascontiguousarray(mask, dtype=bool)
-    return _holo.evaluate(_map(estimate), _map(truth), border, mask, rig)
+    masks = [(name, np.ascontiguousarray(region, dtype=bool)) for name, region in (regions or {}).items()]
+    return _holo.evaluate(_map(estimate), _map(truth), border, mask, rig, masks)
 
 
 def compare(image: np.ndarray, reference: np.ndarray, *, data_range: float | None = None) -> ImageScore:

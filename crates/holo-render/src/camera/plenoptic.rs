@@ -18,6 +18,12 @@ use crate::accel::{Cells, ExactRays, RayHits};
 use crate::sampling::{PixelIds, Points, Purpose, Sampler, hash, morton};
 use crate::simd::{LANES, Lanes};
 
+/// The number of the center of a micro-image along either axis of its pixels; a power of two.
+const CENTER: u32 = 32_768;
+
+/// Micro-images with pixels farther from their centers are sorted without a bit for every place.
+const WIDEST: u32 = 1024;
+
 /// Sixteen pixels, each with a microlens.
 #[derive(Clone, Copy)]
 pub(crate) struct RawPacket {
@@ -43,11 +49,13 @@ pub(crate) struct RawLens {
     id: u32,
 }
 
-/// The pixels of a microlens, and their numbers in the order of a Morton curve: the place on the curve above the number.
+/// The pixels of a microlens in the order of a Morton curve.
 #[derive(Default)]
 pub(crate) struct Order {
     pixels: Vec<[u32; 2]>,
-    order: Vec<u64>,
+    /// A bit for every place on the curve, and the pixel there.
+    is_taken: Vec<u64>,
+    at_place: Vec<[u32; 2]>,
 }
 
 /// The pixels of some packets and their microlenses.
@@ -90,7 +98,38 @@ impl RawLens {
 
     /// The place of a pixel from the center of the micro-image, as numbers above 0.
     fn view(&self, pixel: [u32; 2]) -> [u32; 2] {
-        [0, 1].map(|k| (f64::from(pixel[k]) - self.corner[k] + 32_768.0) as u32)
+        [0, 1].map(|k| (f64::from(pixel[k]) - self.corner[k] + f64::from(CENTER)) as u32)
+    }
+}
+
+impl Order {
+    /// Puts the pixels in the order of a Morton curve around the center of their micro-image: a bit for each place, of
+    /// which there are few.
+    fn sort(&mut self, lens: &RawLens) {
+        let Self { pixels, is_taken, at_place } = self;
+        let far = pixels.iter().flat_map(|&pixel| lens.view(pixel)).map(|x| x.abs_diff(CENTER)).max().unwrap_or(0);
+        // Places from the center, moved above 0 by a power of two, have the order of those moved by the center's number.
+        let half = (far + 1).next_power_of_two();
+        if half > WIDEST {
+            return pixels.sort_unstable_by_key(|&pixel| morton(lens.view(pixel)));
+        }
+        let places = 4 * (half as usize).pow(2);
+        is_taken.clear();
+        is_taken.resize(places.div_ceil(64), 0);
+        at_place.resize(places.max(at_place.len()), [0; 2]);
+        for &pixel in &*pixels {
+            let place = morton(lens.view(pixel).map(|x| x + half - CENTER)) as usize;
+            is_taken[place / 64] |= 1 << (place % 64);
+            at_place[place] = pixel;
+        }
+        pixels.clear();
+        for (word, &taken) in is_taken.iter().enumerate() {
+            let mut left = taken;
+            while left != 0 {
+                pixels.push(at_place[64 * word + left.trailing_zeros() as usize]);
+                left &= left - 1;
+            }
+        }
     }
 }
 
@@ -99,21 +138,17 @@ impl RawPixels {
     /// pixels, aligned with the micro-image, follow each other.
     pub fn push_lens(&mut self, camera: &PlenopticCamera, lens: Microlens, scratch: &mut Order) {
         let raw_lens = RawLens::new(camera, lens);
-        let Order { pixels, order } = scratch;
-        pixels.clear();
+        scratch.pixels.clear();
         for (row, columns) in camera.lit_pixels(&lens, 0..camera.sensor().size.rows) {
-            pixels.extend(columns.map(|column| [row as u32, column as u32]));
+            scratch.pixels.extend(columns.map(|column| [row as u32, column as u32]));
         }
-        order.clear();
-        let key = |(k, pixel): (usize, &[u32; 2])| u64::from(morton(raw_lens.view(*pixel))) << 32 | k as u64;
-        order.extend(pixels.iter().enumerate().map(key));
-        order.sort_unstable();
+        scratch.sort(&raw_lens);
         let index = self.lenses.len() as u32;
         self.lenses.push(raw_lens);
-        for keys in order.chunks(LANES) {
-            let at = |k: usize| pixels[keys[k.min(keys.len() - 1)] as u32 as usize];
+        for pixels in scratch.pixels.chunks(LANES) {
+            let at = |k: usize| pixels[k.min(pixels.len() - 1)];
             let pixel = [0, 1].map(|axis| std::array::from_fn(|k| at(k)[axis]));
-            self.packets.push(RawPacket { count: keys.len() as u32, pixel, lens: [index; LANES] });
+            self.packets.push(RawPacket { count: pixels.len() as u32, pixel, lens: [index; LANES] });
         }
     }
 

@@ -1,0 +1,291 @@
+//! How far the micro-images of a white image lie from those of the camera.
+
+use ndarray::ArrayView2;
+
+use super::{MicrolensIndex, PlenopticCamera};
+use crate::Error;
+
+/// Tiles along the longer side of the sensor.
+const TILES: usize = 17;
+
+/// The radius of a tile's window, in pitches of micro-images.
+const REACH: f64 = 4.0;
+
+/// The least number of tiles.
+const FEWEST_TILES: usize = 6;
+
+/// The least part of the light of a tile that has the period of the array.
+const LEAST_CONTRAST: f64 = 0.02;
+
+/// How far the micro-images of a white image lie from those of a camera: a grid of another pitch, rotation and place.
+///
+/// # Units
+///
+/// Pixels and radians.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WhiteGrid {
+    /// The largest distance of a micro-image from that of the camera, over the sensor, in pixels.
+    pub largest_px: f64,
+    /// The pitch of the white image in that of the camera.
+    pub scale: f64,
+    /// The rotation of the white image against the camera, counterclockwise in the image.
+    pub rotation_rad: f64,
+    /// How far the grid lies to the right and down in the middle of the sensor, in pixels.
+    pub offset_px: [f64; 2],
+}
+
+/// The displacement of a part of the grid.
+#[derive(Clone, Copy)]
+struct Tile {
+    place_px: [f64; 2],
+    shift_px: [f64; 2],
+    /// Two steps of the grid.
+    steps_px: [[f64; 2]; 2],
+}
+
+impl PlenopticCamera {
+    /// Compares the micro-images of a white image with those of this camera.
+    ///
+    /// `None`: there are too few micro-images (a side of a dozen), or the image has not the period of the array, not even nearly: a pitch that
+    /// is off by a hundredth or more, an image of something else.
+    ///
+    /// # Shape
+    ///
+    /// Axes (row, column), the size of the sensor.
+    ///
+    /// # Accuracy
+    ///
+    /// 0.03 px and a fiftieth of the displacement for white images without noise, vignetted as those of this camera; the
+    /// displacement is taken as linear over the sensor. Displacements by whole steps of the grid cannot be seen.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if the image has not the size of the sensor; those of [`white_image`](Self::white_image).
+    ///
+    /// # Source
+    ///
+    /// The shift theorem: a displaced grid has other phases at the two frequencies of the grid, here within windows of some
+    /// micro-images around the places where the camera has one; a plane fits the displacements.
+    pub fn white_grid(&self, white: ArrayView2<f32>) -> Result<Option<WhiteGrid>, Error> {
+        let size = self.sensor().size;
+        if white.dim() != (size.rows, size.columns) {
+            let expected = vec![size.rows, size.columns];
+            return Err(Error::Shape { what: "white image", expected, found: white.shape().to_vec() });
+        }
+        // The light within its micro-images leans towards the axis too.
+        let own = self.white_image()?;
+        let spacing = size.larger() as f64 / TILES as f64;
+        let counts = [size.columns, size.rows].map(|count| ((count as f64 / spacing) as usize).max(1));
+        let mut tiles: Vec<Vec<Option<Tile>>> = Vec::new();
+        for row in 0..counts[1] {
+            let y = (row as f64 + 0.5) * size.rows as f64 / counts[1] as f64;
+            let x = |column: usize| (column as f64 + 0.5) * size.columns as f64 / counts[0] as f64;
+            let tile = |column: usize| {
+                let [found, expected] = [white, own.view()].map(|image| self.tile(image, [x(column), y]));
+                let (found, expected) = (found?, expected?);
+                Some(Tile { shift_px: [0, 1].map(|k| found.shift_px[k] - expected.shift_px[k]), ..found })
+            };
+            tiles.push((0..counts[0]).map(tile).collect());
+        }
+        Ok(continued(tiles).and_then(|tiles| fitted(&tiles, [size.columns as f64, size.rows as f64])))
+    }
+
+    /// The displacement around the micro-image nearest to a place.
+    fn tile(&self, white: ArrayView2<f32>, near_px: [f64; 2]) -> Option<Tile> {
+        let lens = self.owner(self.place_m(near_px));
+        let center = self.micro_image_center_px(lens);
+        let of = |row: i32, column: i32| {
+            let next = MicrolensIndex { row: lens.row + row, column: lens.column + column };
+            let place = self.micro_image_center_px(next);
+            [place[0] - center[0], place[1] - center[1]]
+        };
+        let steps_px = [of(0, 1), of(1, 0)];
+        let [[ax, ay], [bx, by]] = steps_px;
+        let area = ax * by - ay * bx;
+        if area.abs() < 1.0 {
+            return None;
+        }
+        // Per step along one of them the phase turns once, along the other one not at all.
+        let turn = std::f64::consts::TAU / area;
+        let frequencies = [[by * turn, -bx * turn], [-ay * turn, ax * turn]];
+        let radius = REACH * area.abs().sqrt();
+        // A window that the edge of the sensor cuts has phases of its own.
+        let size = [white.ncols() as f64, white.nrows() as f64];
+        if (0..2).any(|axis| center[axis] < radius || center[axis] > size[axis] - radius) {
+            return None;
+        }
+        let (mut sums, mut all) = ([[0.0_f64; 2]; 2], 0.0);
+        let range = |axis: usize, count: usize| {
+            (center[axis] - radius) as usize..((center[axis] + radius) as usize + 1).min(count)
+        };
+        for row in range(1, white.nrows()) {
+            for column in range(0, white.ncols()) {
+                let away = [column as f64 + 0.5 - center[0], row as f64 + 0.5 - center[1]];
+                let window = |x: f64| {
+                    let cosine = (std::f64::consts::FRAC_PI_2 * (x / radius).clamp(-1.0, 1.0)).cos();
+                    cosine * cosine
+                };
+                let light = f64::from(white[[row, column]]) * window(away[0]) * window(away[1]);
+                all += light;
+                for (sum, frequency) in sums.iter_mut().zip(frequencies) {
+                    let (sin, cos) = (frequency[0] * away[0] + frequency[1] * away[1]).sin_cos();
+                    sum[0] += light * cos;
+                    sum[1] += light * sin;
+                }
+            }
+        }
+        let is_clear = sums.iter().all(|[x, y]| x.hypot(*y) > LEAST_CONTRAST * all);
+        // The part of a step, from -1/2 to 1/2, along each of them.
+        let parts = sums.map(|[x, y]| y.atan2(x) / std::f64::consts::TAU);
+        let shift_px = [0, 1].map(|axis| parts[0] * steps_px[0][axis] + parts[1] * steps_px[1][axis]);
+        is_clear.then_some(Tile { place_px: center, shift_px, steps_px })
+    }
+}
+
+/// The tiles with displacements that continue those of their neighbors, from the middle outwards, where they are clear.
+fn continued(mut tiles: Vec<Vec<Option<Tile>>>) -> Option<Vec<Tile>> {
+    let [rows, columns] = [tiles.len(), tiles.first()?.len()];
+    let mut order: Vec<[usize; 2]> = (0..rows).flat_map(|row| (0..columns).map(move |column| [row, column])).collect();
+    let far = |[row, column]: [usize; 2]| (2 * row + 1).abs_diff(rows) + (2 * column + 1).abs_diff(columns);
+    order.sort_by_key(|&place| far(place));
+    let mut done: Vec<[usize; 2]> = Vec::new();
+    for place in order {
+        let Some(tile) = tiles[place[0]][place[1]] else { continue };
+        let nearest = done.iter().min_by_key(|other| (0..2).map(|k| place[k].abs_diff(other[k]).pow(2)).sum::<usize>());
+        if let Some(expected) = nearest.and_then(|[row, column]| tiles[*row][*column]) {
+            tiles[place[0]][place[1]] = Some(tile.near(expected.shift_px));
+        }
+        done.push(place);
+    }
+    (done.len() >= FEWEST_TILES).then(|| tiles.into_iter().flatten().flatten().collect())
+}
+
+impl Tile {
+    /// The same displacement but for whole steps of the grid, as near to an expected one as can be.
+    fn near(self, expected_px: [f64; 2]) -> Self {
+        let [[ax, ay], [bx, by]] = self.steps_px;
+        let area = ax * by - ay * bx;
+        let away = [0, 1].map(|k| expected_px[k] - self.shift_px[k]);
+        let [a, b] = [(away[0] * by - away[1] * bx) / area, (ax * away[1] - ay * away[0]) / area].map(f64::round);
+        Self { shift_px: [0, 1].map(|k| self.shift_px[k] + a * self.steps_px[0][k] + b * self.steps_px[1][k]), ..self }
+    }
+}
+
+/// The plane through the displacements, by least squares.
+fn fitted(tiles: &[Tile], size_px: [f64; 2]) -> Option<WhiteGrid> {
+    if tiles.len() < 3 {
+        return None;
+    }
+    let middle = size_px.map(|length| length / 2.0);
+    let mut normal = [[0.0_f64; 3]; 3];
+    let mut right = [[0.0_f64; 3]; 2];
+    for tile in tiles {
+        let row = [1.0, tile.place_px[0] - middle[0], tile.place_px[1] - middle[1]];
+        for i in 0..3 {
+            (0..3).for_each(|j| normal[i][j] += row[i] * row[j]);
+            (0..2).for_each(|axis| right[axis][i] += row[i] * tile.shift_px[axis]);
+        }
+    }
+    let [x, y] = right.map(|right| solved(normal, right));
+    let ([x0, xx, xy], [y0, yx, yy]) = (x?, y?);
+    let at = |px: f64, py: f64| [x0 + xx * px + xy * py, y0 + yx * px + yy * py];
+    let off = |tile: &Tile| {
+        let expected = at(tile.place_px[0] - middle[0], tile.place_px[1] - middle[1]);
+        (expected[0] - tile.shift_px[0]).hypot(expected[1] - tile.shift_px[1])
+    };
+    let mean = tiles.iter().map(off).sum::<f64>() / tiles.len() as f64;
+    let step = tiles[0].steps_px.map(|[x, y]| x.hypot(y)).into_iter().fold(f64::INFINITY, f64::min);
+    if mean > 0.1 * step {
+        return None;
+    }
+    let corners = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
+    let distance = |[sx, sy]: [f64; 2]| {
+        let [dx, dy] = at(sx * middle[0], sy * middle[1]);
+        dx.hypot(dy)
+    };
+    Some(WhiteGrid {
+        largest_px: corners.into_iter().map(distance).fold(0.0, f64::max),
+        scale: 1.0 + (xx + yy) / 2.0,
+        rotation_rad: (xy - yx) / 2.0,
+        offset_px: [x0, y0],
+    })
+}
+
+/// The solution of three linear equations; `None` without a single one.
+fn solved(matrix: [[f64; 3]; 3], right: [f64; 3]) -> Option<[f64; 3]> {
+    let determinant = |m: [[f64; 3]; 3]| {
+        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+    };
+    let all = determinant(matrix);
+    let replaced = |column: usize| {
+        let mut m = matrix;
+        (0..3).for_each(|row| m[row][column] = right[row]);
+        determinant(m) / all
+    };
+    (all != 0.0).then(|| [0, 1, 2].map(replaced))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::GridSize;
+    use crate::plenoptic::{ImageSensor, MainLens, MicrolensArray, MicrolensGrid};
+
+    fn camera(grid: MicrolensGrid, change: impl Fn(&mut MicrolensArray)) -> PlenopticCamera {
+        let mut array = MicrolensArray::new(grid, 62.3e-6, 3e-4);
+        array.rotation_rad = 0.006;
+        array.offset_m = [3e-6, -5e-6];
+        change(&mut array);
+        let sensor = ImageSensor::new(GridSize::new(420, 640), 4.4e-6);
+        PlenopticCamera::new(sensor, array, MainLens::new(0.05, 5.0, 2.0)).unwrap()
+    }
+
+    /// The largest distance between micro-images of equal numbers at the corners of the sensor, px.
+    fn distance_px(one: &PlenopticCamera, other: &PlenopticCamera) -> f64 {
+        let corners = [[0.0, 0.0], [640.0, 0.0], [0.0, 420.0], [640.0, 420.0]];
+        let far = corners.map(|corner| {
+            let lens = one.owner(one.place_m(corner));
+            let [a, b] = [one, other].map(|camera| camera.micro_image_center_px(lens));
+            (a[0] - b[0]).hypot(a[1] - b[1])
+        });
+        far.into_iter().fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn the_grid_of_a_white_image_is_found() {
+        for grid in [MicrolensGrid::Square, MicrolensGrid::HexRows, MicrolensGrid::HexColumns] {
+            let known = camera(grid, |_| {});
+            let own = known.white_grid(known.white_image().unwrap().view()).unwrap().unwrap();
+            assert!(own.largest_px < 0.02, "{grid:?}: {own:?}");
+            let others: [fn(&mut MicrolensArray); 3] = [
+                |array| array.offset_m = [8e-6, -1e-6],
+                |array| array.pitch_m = 62.25e-6,
+                |array| {
+                    array.rotation_rad = 0.0;
+                    array.offset_m = [0.0, 0.0];
+                },
+            ];
+            for change in others {
+                let other = camera(grid, change);
+                let white = other.white_image().unwrap();
+                let found = known.white_grid(white.view()).unwrap().unwrap();
+                let expected = distance_px(&known, &other);
+                // The micro-images next to the corners are not at the corners.
+                assert!((found.largest_px - expected).abs() < 0.03 + 0.02 * expected, "{grid:?}: {found:?} {expected}");
+                let scale = other.micro_image_pitch_px() / known.micro_image_pitch_px();
+                assert!((found.scale - scale).abs() < 1e-4, "{grid:?}: {found:?} {scale}");
+                let turned = other.array().rotation_rad - known.array().rotation_rad;
+                assert!((found.rotation_rad - turned).abs() < 1e-4, "{grid:?}: {found:?} {turned}");
+            }
+        }
+    }
+
+    #[test]
+    fn another_image_has_no_grid() {
+        let known = camera(MicrolensGrid::Square, |_| {});
+        let even = ndarray::Array2::from_elem((420, 640), 1.0_f32);
+        assert_eq!(known.white_grid(even.view()).unwrap(), None);
+        assert!(known.white_grid(even.slice_axis(ndarray::Axis(0), (..9).into())).is_err());
+    }
+}
