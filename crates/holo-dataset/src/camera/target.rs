@@ -7,6 +7,7 @@ use holo_core::GridSize;
 use holo_io::{CameraFile, Manifest, ManifestValue, Sha256};
 use holo_render::{Integrator, LayerSet, Progress, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
+use ndarray::{Array3, Axis};
 use serde::Deserialize;
 
 use crate::Error;
@@ -17,7 +18,10 @@ use crate::output::{OutputFolder, Rollback};
 use crate::resume::identity::check_replaceable;
 use crate::settings::{EngineSettings, Exposure};
 use crate::shot::libraries;
-use crate::watch::Diagnostics;
+use crate::watch::{CancelOnly, Diagnostics};
+
+/// The samples of a pixel that find the rows of pixels with light.
+const FIRST_SAMPLES: u32 = 4;
 
 /// How far from the edge of a micro-image corners are listed, px: less than half of a detector's window is cut off.
 const BORDER_PX: f64 = 1.5;
@@ -117,13 +121,34 @@ impl TargetJob {
             let request = Request::new(camera.clone()).integrator(Integrator::Direct).samples(self.samples);
             let request = request.seed(self.seed + frame as u64).layers(LayerSet::EMPTY);
             manifest.libraries = libraries(&renderer);
-            let color = renderer.render(&request, progress)?.color;
-            let color = color.ok_or_else(|| Error::Failed("the renderer returned no color".into()))?;
             // A white square has 80 % of the range.
-            write_raw(&mut folder, &format!("frame_{frame:02}"), image(color)?, Exposure::Ev(0.0))?;
+            let seen = self.seen(&renderer, &request, progress)?;
+            write_raw(&mut folder, &format!("frame_{frame:02}"), seen, Exposure::Ev(0.0))?;
         }
         folder.add("corners.csv", holo_io::write_file(folder.file("corners.csv"), table.as_bytes())?);
         Ok((folder.seal(manifest)?, count))
+    }
+
+    /// The raw image of a board before black: with all samples in the rows of pixels that see it, 0 in the others.
+    fn seen(&self, renderer: &Renderer, request: &Request, progress: &dyn Progress) -> Result<Array3<f32>, Error> {
+        let rendered = |request: &Request, progress: &dyn Progress| -> Result<Array3<f32>, Error> {
+            let color = renderer.render(request, progress)?.color;
+            image(color.ok_or_else(|| Error::Failed("the renderer returned no color".into()))?)
+        };
+        if self.samples <= FIRST_SAMPLES {
+            return rendered(request, progress);
+        }
+        let mut first = rendered(&request.clone().samples(FIRST_SAMPLES), &CancelOnly(progress))?;
+        let lit: Vec<bool> = first.outer_iter().map(|row| row.iter().any(|&light| light > 0.0)).collect();
+        let (Some(low), Some(high)) = (lit.iter().position(|lit| *lit), lit.iter().rposition(|lit| *lit)) else {
+            return Ok(first);
+        };
+        // Others of a micro-image see the board by less than a sample.
+        let margin = self.camera.camera.micro_image_pitch_px().ceil() as usize;
+        let rows = low.saturating_sub(margin)..(high + margin + 1).min(lit.len());
+        let all = rendered(&request.clone().rows(Some(rows.clone())), progress)?;
+        first.slice_axis_mut(Axis(0), rows.into()).assign(&all);
+        Ok(first)
     }
 
     /// Checks that the folder `out` holds no other images: it has no manifest, or one of the same target.
