@@ -40,7 +40,7 @@ struct Line {
     first: usize,
     count: usize,
     /// The smallest windows that they belong to.
-    levels: [usize; CANDIDATES],
+    levels: [u8; CANDIDATES],
     /// How far their viewpoints are from that of the pixel, px.
     apart: [f32; CANDIDATES],
 }
@@ -52,9 +52,9 @@ fn radius(level: usize) -> f32 {
 
 impl Line {
     /// Of the pixels `owned`, whose viewpoints are `pixel - origin` from that of the pixel, through a microlens that is
-    /// `lens_apart` pitches away.
-    fn new(point: &Point, owned: &Range<usize>, origin: f64, lens_apart: f32) -> Self {
-        let mut out = Self { first: 0, count: 0, levels: [OUTSIDE; CANDIDATES], apart: [0.0; CANDIDATES] };
+    /// `lens_apart` pitches away; `None`: there are none.
+    #[inline(always)]
+    fn new(point: &Point, owned: &Range<usize>, origin: f64, lens_apart: f32) -> Option<Self> {
         let (beside, farthest) = (WINDOWS[point.largest].1 * point.spot, radius(point.largest));
         // Infinite without a disparity; then all viewpoints of the microlens see the point, or none.
         let ends = [-beside, beside].map(|beside| (beside - lens_apart) / point.disparity);
@@ -63,22 +63,24 @@ impl Line {
         let first = (origin + low).ceil().max(owned.start as f64);
         let last = (origin + high).floor().min(owned.end as f64 - 1.0);
         if first > last {
-            return out;
+            return None;
         }
-        out.first = first as usize;
+        let first = first as usize;
+        let mut out = Self { first, count: 0, levels: [OUTSIDE as u8; CANDIDATES], apart: [0.0; CANDIDATES] };
         for k in (out.first..=last as usize).take(CANDIDATES) {
             let apart = (k as f64 - origin) as f32;
             let beside = (point.disparity * apart + lens_apart).abs();
             let belongs = |level: &usize| apart.abs() <= radius(*level) && beside <= WINDOWS[*level].1 * point.spot;
-            out.levels[out.count] = (1..=point.largest).find(belongs).unwrap_or(OUTSIDE);
+            out.levels[out.count] = (1..=point.largest).find(belongs).unwrap_or(OUTSIDE) as u8;
             out.apart[out.count] = apart;
             out.count += 1;
         }
-        out
+        Some(out)
     }
 }
 
 /// The means around the pixel at `row` and `column` of the sensor, which `lens` owns, over the windows up to `largest`.
+#[inline(always)]
 pub(super) fn gather(
     lattice: &Lattice,
     sources: &[Source],
@@ -108,11 +110,11 @@ pub(super) fn gather(
         }
         // Where their pixel of the same viewpoint lies.
         let [x, y] = [0, 1].map(|k| [column, row][k] as f64 - own.center[k] + theirs.center[k]);
-        let rows = Line::new(&point, &theirs.rows, y, down);
-        let columns = Line::new(&point, &theirs.columns, x, across);
+        let Some(rows) = Line::new(&point, &theirs.rows, y, down) else { continue };
+        let Some(columns) = Line::new(&point, &theirs.columns, x, across) else { continue };
         for i in 0..rows.count {
             for k in 0..columns.count {
-                let level = rows.levels[i].max(columns.levels[k]);
+                let level = usize::from(rows.levels[i].max(columns.levels[k]));
                 let place = lattice.place(rows.first + i, columns.first + k);
                 if level == OUTSIDE || lattice.owners[place] as usize != other || place == own_place {
                     continue;

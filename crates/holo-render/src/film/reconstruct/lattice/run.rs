@@ -13,6 +13,7 @@ use super::gather::{WINDOW_COUNT, gather};
 use super::{Lattice, Source};
 use crate::film::error_distribution::ErrorDistribution;
 use crate::film::guides::luminance;
+use crate::simd::{self, Kernel};
 
 /// Rows of microlenses that are reconstructed together.
 const BAND_ROWS: usize = 16;
@@ -49,6 +50,31 @@ struct Finished {
     error: f32,
 }
 
+/// A microlens that is observed, for every instruction set.
+struct ObserveLens<'a, 'b>(&'b LatticeReconstruction<'a>, usize);
+
+impl Kernel for ObserveLens<'_, '_> {
+    type Output = Vec<Observed>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Observed> {
+        self.0.observe(self.1)
+    }
+}
+
+/// A microlens that is finished, with the choices from a number on.
+struct FinishLens<'a, 'b>(&'b LatticeReconstruction<'a>, usize, (&'b [Vec<Choice>], usize));
+
+impl Kernel for FinishLens<'_, '_> {
+    type Output = Vec<Finished>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Finished> {
+        let Self(reconstruction, lens, (chosen, first)) = self;
+        reconstruction.finish(lens, chosen, first)
+    }
+}
+
 impl LatticeReconstruction<'_> {
     /// The number of calls of `advance`.
     pub fn steps(lattice: &Lattice, rows: &Range<usize>) -> usize {
@@ -69,12 +95,13 @@ impl LatticeReconstruction<'_> {
             };
             let (observed_lenses, chosen_lenses) = (wider(SMOOTHED + LENSES), wider(SMOOTHED));
             let first = observed_lenses.start;
-            let observed: Vec<Vec<Observed>> = observed_lenses.into_par_iter().map(|lens| self.observe(lens)).collect();
+            let observed: Vec<Vec<Observed>> =
+                observed_lenses.into_par_iter().map(|lens| simd::run(ObserveLens(&self, lens))).collect();
             let first_chosen = chosen_lenses.start;
             let chosen: Vec<Vec<Choice>> =
                 chosen_lenses.into_par_iter().map(|lens| self.choose(lens, &observed, first)).collect();
-            let finished: Vec<Vec<Finished>> =
-                wider(0).into_par_iter().map(|lens| self.finish(lens, &chosen, first_chosen)).collect();
+            let finish = |lens: usize| simd::run(FinishLens(&self, lens, (&chosen, first_chosen)));
+            let finished: Vec<Vec<Finished>> = wider(0).into_par_iter().map(finish).collect();
             for pixels in finished {
                 let errors: Vec<f32> = pixels.iter().map(|pixel| pixel.error).collect();
                 distribution.extend(&errors);
@@ -101,6 +128,7 @@ impl LatticeReconstruction<'_> {
 
     /// The evidence of the blocks of a microlens, from about every second row and column of its pixels. Empty for a
     /// microlens without pixels.
+    #[inline(always)]
     fn observe(&self, lens: usize) -> Vec<Observed> {
         let (lattice, levels) = (self.lattice, self.levels());
         let blocks = lattice.blocks();
@@ -175,6 +203,7 @@ impl LatticeReconstruction<'_> {
     }
 
     /// The pixels of a microlens from the choices around it, which are those of the microlenses from `first` on.
+    #[inline(always)]
     fn finish(&self, lens: usize, chosen: &[Vec<Choice>], first: usize) -> Vec<Finished> {
         let lattice = self.lattice;
         let blocks = lattice.blocks();
@@ -208,6 +237,7 @@ impl LatticeReconstruction<'_> {
     }
 
     /// The light of a pixel: the mean over a window, or a mixture of those over two, times its share.
+    #[inline(always)]
     fn color_of(&self, lens: usize, [row, column]: [usize; 2], level: f32) -> [f32; 3] {
         // Means of levels may be rounded up.
         let level = level.clamp(0.0, (self.levels() - 1) as f32);
