@@ -244,8 +244,8 @@ fn enlarge(map: ArrayView2<f32>, (rows, columns): (usize, usize)) -> Array2<f32>
     Array2::from_shape_fn((rows, columns), |(v, u)| map[[near(v, rows, own_rows), near(u, columns, own_columns)]])
 }
 
-/// Reads the masks of regions that belong to a map, for [`MapScoring::regions`]: those of its size in `masks/` beside it or
-/// a folder above, or beside it under the names of the HCI benchmark.
+/// Reads the masks of the regions of a map, for [`MapScoring::regions`]. They lie in `masks/` beside the map or in the folder
+/// above, or beside the map under the names of the HCI benchmark. Masks of another size are left out.
 ///
 /// # Errors
 /// [`Error::Io`] if one of them cannot be read.

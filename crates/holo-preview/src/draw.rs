@@ -49,6 +49,8 @@ pub(crate) struct Drawing<'a> {
     pub still: &'a Renderer,
     pub job: &'a RenderJob,
     pub look: &'a Look,
+    /// How many frames a full render has.
+    pub frames: usize,
     pub newest: Newest<'a>,
     pub events: &'a Sender<Event>,
 }
@@ -151,7 +153,7 @@ impl Drawing<'_> {
             "number": self.look.number,
             "command": command.shell,
             "python": command.python,
-            "frames": frames(self.look),
+            "frames": self.frames,
             "estimate": estimate::of(&self.job.settings, &prepared, &strip),
         });
         let mut payload = Vec::new();
@@ -313,16 +315,6 @@ fn view_request(view: &RenderJob, prepared: &Prepared, moving: bool) -> Result<R
         request.transport.texture_filter = TextureFilter::Off;
     }
     Ok(request)
-}
-
-/// How many frames a full render has.
-fn frames(look: &Look) -> u64 {
-    let text = look.settings.get("frame").map_or("", |text| text.as_str());
-    let ends: Vec<u64> = text.split('-').filter_map(|end| end.trim().parse().ok()).collect();
-    match ends[..] {
-        [first, last] => last.saturating_sub(first) + 1,
-        _ => 1,
-    }
 }
 
 /// A map of at most [`MAX_MAP`] x [`MAX_MAP`] values.

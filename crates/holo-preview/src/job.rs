@@ -1,7 +1,7 @@
 //! From the state of a page to a render job. Here is decided what a page may ask for.
 
 use holo_dataset::settings::{Given, Group, Setting, spelled};
-use holo_dataset::{RenderJob, RenderSettings, SceneSource, Sky, adjusted_camera};
+use holo_dataset::{Frames, RenderJob, RenderSettings, SceneSource, Sky, adjusted_camera};
 use holo_io::CameraFile;
 
 use crate::Preview;
@@ -41,6 +41,13 @@ pub(crate) fn of(look: &Look, source: SceneSource, preview: &Preview) -> Result<
     let job = RenderJob::new(source, settings).engine(preview.engine);
     job.check().map_err(told)?;
     Ok(job)
+}
+
+/// The job of its first frame.
+pub(crate) fn at_first_frame(mut job: RenderJob) -> RenderJob {
+    let frames = &mut job.settings.scene.frames;
+    *frames = frames.map(|frames| Frames::one(frames.first));
+    job
 }
 
 /// The plenoptic camera of a look; `None`: a rig.
@@ -150,6 +157,18 @@ mod tests {
         let preview = Preview::new().given(own);
         assert!(given(&look(&[("sky", "studio.hdr")]), &preview).is_ok());
         assert!(given(&look(&[("sky", "other.hdr")]), &preview).is_err());
+    }
+
+    #[test]
+    fn of_a_sequence_the_first_frame_is_shown() {
+        let preview = Preview::new();
+        let source = || SceneSource::gallery("pendulum").unwrap();
+        let all = of(&look(&[("frame", "3-7"), ("views", "2"), ("lenses", "8x6")]), source(), &preview).unwrap();
+        assert_eq!(all.shots().len(), 5);
+        let first = at_first_frame(all);
+        assert_eq!((first.shots().len(), first.settings.scene.frames), (1, Some(Frames::one(3))));
+        assert!(first.stage(&()).is_ok());
+        assert!(of(&look(&[("frame", "7-3")]), source(), &preview).is_err());
     }
 
     #[test]

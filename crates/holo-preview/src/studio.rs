@@ -3,7 +3,7 @@
 
 use std::sync::mpsc::Sender;
 
-use holo_dataset::{About, Frames, RenderJob, SceneSettings, SceneSource, Sky};
+use holo_dataset::{About, RenderJob, SceneSettings, SceneSource, Sky};
 use holo_scene::{Transform, gallery};
 use serde_json::json;
 
@@ -27,7 +27,7 @@ struct WorldKey {
 
 impl WorldKey {
     fn new(scene: &str, job: &RenderJob) -> Self {
-        let mut settings = job.settings.scene.clone();
+        let mut settings = job::at_first_frame(job.clone()).settings.scene;
         // Where the camera stands.
         (settings.camera, settings.eye, settings.target, settings.up) = (None, None, None, None);
         (settings.fov_deg, settings.fit_object) = (None, None);
@@ -94,7 +94,7 @@ impl<'a> Studio<'a> {
         let (job, key) = self.job(&look)?;
         let notes = std::cell::RefCell::new(Vec::new());
         let note = |_: About, line: &str| notes.borrow_mut().push(job::told(line));
-        let stage = job.stage(&note)?;
+        let stage = job::at_first_frame(job.clone()).stage(&note)?;
         let world = stage.world(&job.source, &job.settings.light.sky, &job.engine)?;
         let still = world.at(&Transform::IDENTITY)?;
         let (scene, animations) = (&stage.loaded.scene, &stage.loaded.summary.animations);
@@ -112,12 +112,15 @@ impl<'a> Studio<'a> {
         let mut kept = Kept::default();
         let (mut look, mut job, mut newest) = (look, job, newest);
         loop {
+            let frames = job.shots().len();
+            let shown = job::at_first_frame(job.clone());
             let drawing = Drawing {
                 stage: &stage,
                 world: &world,
                 still: &still,
-                job: &job,
+                job: &shown,
                 look: &look,
+                frames,
                 newest,
                 events: &self.events,
             };
@@ -146,16 +149,14 @@ impl<'a> Studio<'a> {
         }
     }
 
-    /// The job of a look at its first frame, and the key of its world.
+    /// The job of a look, and the key of its world.
     fn job(&mut self, look: &Look) -> Result<(RenderJob, WorldKey), Ended> {
         let is_kept = self.source.as_ref().is_some_and(|(_, key)| !look.scene.is_empty() && *key == look.scene);
         if !is_kept {
             self.source = Some(job::scene(look, self.preview, self.inbox)?);
         }
         let Some((source, scene)) = &self.source else { return Err(Ended::Newer) };
-        let mut job = job::of(look, source.clone(), self.preview)?;
-        let frames = &mut job.settings.scene.frames;
-        *frames = frames.map(|frames| Frames::one(frames.first));
+        let job = job::of(look, source.clone(), self.preview)?;
         let key = WorldKey::new(scene, &job);
         Ok((job, key))
     }

@@ -97,7 +97,7 @@ pub struct DepthOptions {
 pub struct EvalOptions {
     /// The estimate: a disparity map (.pfm) or an image (.png).
     pub estimate: PathBuf,
-    /// The ground truth, of the same kind and size.
+    /// The ground truth, of the same kind and size; a map may have a multiple of the rows and columns (high resolution).
     pub truth: PathBuf,
     /// Width of the excluded border, px (maps only).
     #[arg(long, value_name = "PX", default_value_t = 15)]

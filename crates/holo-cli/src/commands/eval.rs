@@ -49,6 +49,9 @@ fn maps(options: &EvalOptions) -> Result<Vec<NamedQuantity>, Failure> {
     let regions = holo_dataset::region_masks(&options.truth, truth.dim())?;
     let scoring = MapScoring::with_border(options.border).mask(mask.as_ref().map(|mask| mask.view())).rig(rig);
     let mut rows = scoring.toolkit_normals(toolkit_normals).regions(&regions).scores(estimate.view(), truth.view())?;
+    if estimate.dim() != truth.dim() {
+        say!("note: the truth has a high resolution; the estimate is enlarged to it, as by the HCI toolkit");
+    }
     let numbers = rows.iter().position(|row| row.key == "border_px").unwrap_or(rows.len());
     rows.insert(numbers, NamedQuantity::new("mask", "mask of the scored pixels", QuantityValue::Text(scored), ""));
     if let Some(path) = &options.error_map {

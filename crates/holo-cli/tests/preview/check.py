@@ -175,6 +175,23 @@ def gallery(check):
     check.shot("chess")
 
 
+def frames(check):
+    """A scene that moves has a frame, and a range of them is rendered whole."""
+    frame = "document.querySelector('[data-key=frame]')"
+    assert check.run(f"{frame}.hidden"), "chess rests"
+    check.run("document.querySelector('[data-scene=pendulum]').click()")
+    check.settle("pendulum")
+    assert not check.run(f"{frame}.hidden") and check.run("holoPreview.seen.scene.frames") > 1
+    rest = check.run("Array.from(holoPreview.seen.depth).join()")
+    check.run(f"(() => {{ const s = {frame}.querySelector('input[data-setting]'); s.value = '12-14';"
+              " s.dispatchEvent(new Event('change')); })()")
+    check.settle("frame 12")
+    assert check.run("Array.from(holoPreview.seen.depth).join()") != rest, "nothing moved"
+    assert "for each of 3 frames" in check.run("document.getElementById('estimate').textContent")
+    assert "--frame" in check.run("document.getElementById('command').textContent")
+    check.shot("frames")
+
+
 def drop(check, scene):
     with open(scene, "rb") as file:
         data = base64.b64encode(file.read()).decode()
@@ -279,6 +296,7 @@ def main():
         keyboard(check)
         reconnect(check)
         gallery(check)
+        frames(check)
         drop(check, options.scene)
         view = render(check)
         phone(check, options.address)

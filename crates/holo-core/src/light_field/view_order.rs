@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use ndarray::{Array2, Data};
+use ndarray::{Array2, Axis, Data};
 
 use super::{LightField, Sample};
 use crate::{Error, GridSize};
@@ -129,10 +129,6 @@ impl<S: Data<Elem: Sample>> LightField<S> {
     /// Whether both rows and columns run backwards cannot be seen: near would be far. Orders by columns are looked for in
     /// a grid with rows and columns exchanged.
     ///
-    /// # Errors
-    ///
-    /// None: a light field without texture has no other order.
-    ///
     /// # Source
     ///
     /// The gradient constraint of light fields (Adelson and Wang, *Single lens stereo with a plenoptic camera*, 1992), by
@@ -152,23 +148,19 @@ impl<S: Data<Elem: Sample>> LightField<S> {
         (least < CLEARLY * given).then_some(order)
     }
 
-    /// The sum of the channels of a view, row by row, in small.
+    /// A channel in the middle, of a view in small; views count row by row.
     fn small_view(&self, index: usize) -> Array2<f32> {
-        let shape = self.shape();
+        let (shape, samples) = (self.shape(), self.samples());
         let (t, s) = (index / shape.views().columns, index % shape.views().columns);
         let factor = shape.lenses().larger().div_ceil(WIDTH_PX);
-        let size = [shape.lenses().rows / factor, shape.lenses().columns / factor].map(|count| count.max(1));
-        let samples = self.samples();
-        let (rows, columns, channels) = (samples.shape()[0], samples.shape()[1], samples.shape()[4]);
-        Array2::from_shape_fn(size, |(v, u)| {
-            let mut sum = 0.0;
-            for row in v * factor..((v + 1) * factor).min(rows) {
-                for column in u * factor..((u + 1) * factor).min(columns) {
-                    sum += (0..channels).map(|c| samples[[row, column, t, s, c]].to_f64()).sum::<f64>();
-                }
-            }
-            sum as f32
-        })
+        let view = samples.index_axis(Axis(4), self.channels() / 2);
+        let view = view.index_axis(Axis(3), s);
+        let view = view.index_axis(Axis(2), t);
+        let side = [view.nrows(), view.ncols()].map(|count| count.min(factor));
+        let blocks = view.exact_chunks(side);
+        let size = [view.nrows() / side[0], view.ncols() / side[1]];
+        let sums = blocks.into_iter().map(|block| block.iter().map(|sample| sample.to_f64()).sum::<f64>() as f32);
+        Array2::from_shape_vec(size, sums.collect()).unwrap_or_default()
     }
 }
 

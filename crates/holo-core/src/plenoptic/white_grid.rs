@@ -1,6 +1,8 @@
 //! How far the micro-images of a white image lie from those of the camera.
 
-use ndarray::ArrayView2;
+use std::ops::Range;
+
+use ndarray::{ArrayView2, Axis};
 
 use super::{MicrolensIndex, PlenopticCamera};
 use crate::Error;
@@ -60,7 +62,7 @@ impl PlenopticCamera {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the image has not the size of the sensor; those of [`white_image`](Self::white_image).
+    /// [`Error::Shape`] if the image has not the size of the sensor; those of [`white_rows`](Self::white_rows).
     ///
     /// # Source
     ///
@@ -72,16 +74,21 @@ impl PlenopticCamera {
             let expected = vec![size.rows, size.columns];
             return Err(Error::Shape { what: "white image", expected, found: white.shape().to_vec() });
         }
-        // The light within its micro-images leans towards the axis too.
-        let own = self.white_image()?;
         let spacing = size.larger() as f64 / TILES as f64;
         let counts = [size.columns, size.rows].map(|count| ((count as f64 / spacing) as usize).max(1));
         let mut tiles: Vec<Vec<Option<Tile>>> = Vec::new();
         for row in 0..counts[1] {
             let y = (row as f64 + 0.5) * size.rows as f64 / counts[1] as f64;
             let x = |column: usize| (column as f64 + 0.5) * size.columns as f64 / counts[0] as f64;
+            // Rows of pixels with the windows of all tiles of this row.
+            let reach = (REACH + 2.0) * self.micro_image_pitch_px();
+            let band = (y - reach).max(0.0) as usize..((y + reach) as usize + 1).min(size.rows);
+            let found = white.slice_axis(Axis(0), band.clone().into());
+            // The light within the camera's own micro-images leans towards the axis too.
+            let own = self.white_rows(band.clone())?;
             let tile = |column: usize| {
-                let [found, expected] = [white, own.view()].map(|image| self.tile(image, [x(column), y]));
+                let of = |image: ArrayView2<f32>| self.tile(image, band.start, [x(column), y]);
+                let (found, expected) = (of(found), of(own.view()));
                 let (found, expected) = (found?, expected?);
                 Some(Tile { shift_px: [0, 1].map(|k| found.shift_px[k] - expected.shift_px[k]), ..found })
             };
@@ -90,8 +97,8 @@ impl PlenopticCamera {
         Ok(continued(tiles).and_then(|tiles| fitted(&tiles, [size.columns as f64, size.rows as f64])))
     }
 
-    /// The displacement around the micro-image nearest to a place.
-    fn tile(&self, white: ArrayView2<f32>, near_px: [f64; 2]) -> Option<Tile> {
+    /// The displacement around the micro-image nearest to a place, from the rows of a white image from `first_row` on.
+    fn tile(&self, white: ArrayView2<f32>, first_row: usize, near_px: [f64; 2]) -> Option<Tile> {
         let lens = self.owner(self.place_m(near_px));
         let center = self.micro_image_center_px(lens);
         let of = |row: i32, column: i32| {
@@ -110,22 +117,25 @@ impl PlenopticCamera {
         let frequencies = [[by * turn, -bx * turn], [-ay * turn, ax * turn]];
         let radius = REACH * area.abs().sqrt();
         // A window that the edge of the sensor cuts has phases of its own.
-        let size = [white.ncols() as f64, white.nrows() as f64];
-        if (0..2).any(|axis| center[axis] < radius || center[axis] > size[axis] - radius) {
+        let ends = [0..white.ncols(), first_row..first_row + white.nrows()];
+        let is_inside = |axis: usize| {
+            let Range { start, end } = ends[axis];
+            center[axis] - radius >= start as f64 && center[axis] + radius <= end as f64
+        };
+        if !is_inside(0) || !is_inside(1) {
             return None;
         }
         let (mut sums, mut all) = ([[0.0_f64; 2]; 2], 0.0);
-        let range = |axis: usize, count: usize| {
-            (center[axis] - radius) as usize..((center[axis] + radius) as usize + 1).min(count)
-        };
-        for row in range(1, white.nrows()) {
-            for column in range(0, white.ncols()) {
+        let range =
+            |axis: usize| (center[axis] - radius) as usize..((center[axis] + radius) as usize + 1).min(ends[axis].end);
+        for row in range(1) {
+            for column in range(0) {
                 let away = [column as f64 + 0.5 - center[0], row as f64 + 0.5 - center[1]];
                 let window = |x: f64| {
                     let cosine = (std::f64::consts::FRAC_PI_2 * (x / radius).clamp(-1.0, 1.0)).cos();
                     cosine * cosine
                 };
-                let light = f64::from(white[[row, column]]) * window(away[0]) * window(away[1]);
+                let light = f64::from(white[[row - first_row, column]]) * window(away[0]) * window(away[1]);
                 all += light;
                 for (sum, frequency) in sums.iter_mut().zip(frequencies) {
                     let (sin, cos) = (frequency[0] * away[0] + frequency[1] * away[1]).sin_cos();

@@ -129,7 +129,8 @@ impl TargetJob {
         Ok((folder.seal(manifest)?, count))
     }
 
-    /// The raw image of a board before black: with all samples in the rows of pixels that see it, 0 in the others.
+    /// The raw image of a board before black: with all samples in the rows of pixels that see it, 0 in the others. A row that
+    /// is more than a micro-image away from any light of the first samples is 0 even if a later sample would find some.
     fn seen(&self, renderer: &Renderer, request: &Request, progress: &dyn Progress) -> Result<Array3<f32>, Error> {
         let rendered = |request: &Request, progress: &dyn Progress| -> Result<Array3<f32>, Error> {
             let color = renderer.render(request, progress)?.color;
@@ -141,9 +142,9 @@ impl TargetJob {
         let mut first = rendered(&request.clone().samples(FIRST_SAMPLES), &CancelOnly(progress))?;
         let lit: Vec<bool> = first.outer_iter().map(|row| row.iter().any(|&light| light > 0.0)).collect();
         let (Some(low), Some(high)) = (lit.iter().position(|lit| *lit), lit.iter().rposition(|lit| *lit)) else {
-            return Ok(first);
+            // A board that few samples see.
+            return rendered(request, progress);
         };
-        // Others of a micro-image see the board by less than a sample.
         let margin = self.camera.camera.micro_image_pitch_px().ceil() as usize;
         let rows = low.saturating_sub(margin)..(high + margin + 1).min(lit.len());
         let all = rendered(&request.clone().rows(Some(rows.clone())), progress)?;
@@ -300,4 +301,38 @@ fn transform(pose: &BoardPose) -> Transform {
     let turned = |p: [f64; 3]| about(2, z, about(1, y, about(0, x, p)));
     let columns = [turned([1.0, 0.0, 0.0]), turned([0.0, 1.0, 0.0]), turned([0.0, 0.0, 1.0])];
     Transform { columns, translation: pose.position_m }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows without light are left out; the others have the bytes of the whole image.
+    #[test]
+    fn boards_are_rendered_where_they_are_seen() {
+        let mut job = TargetJob {
+            camera: CameraFile::preset("h3dv").unwrap(),
+            corners: GridSize::new(2, 3),
+            square_m: 0.01,
+            poses: None,
+            samples: 8,
+            seed: 3,
+            engine: EngineSettings::default(),
+        };
+        let focus_m = 1.0 / job.camera.camera.inverse_focus_per_m();
+        for (x, square_m) in [(0.0, 0.01), (0.0, 1e-5), (1e3, 0.01)] {
+            job.square_m = square_m * focus_m;
+            let pose = BoardPose { position_m: [x, 0.1 * focus_m, -focus_m], rotation_deg: [10.0, 0.0, 0.0] };
+            let EngineSettings { backend, threads } = job.engine;
+            let board = job.board(&transform(&pose));
+            let renderer = Renderer::new(&board, &Transform::IDENTITY, backend, threads).unwrap();
+            let request = Request::new(job.camera.camera.clone()).integrator(Integrator::Direct).samples(8).seed(3);
+            let request = request.layers(LayerSet::EMPTY);
+            let whole = image(renderer.render(&request, &()).unwrap().color.unwrap()).unwrap();
+            let seen = job.seen(&renderer, &request, &()).unwrap();
+            assert_eq!(seen, whole, "{x} {square_m}");
+            let lit = whole.iter().filter(|light| **light > 0.0).count();
+            assert!(if x > 0.0 { lit == 0 } else { square_m < 1e-3 || lit > 1000 && lit < whole.len() / 4 }, "{lit}");
+        }
+    }
 }

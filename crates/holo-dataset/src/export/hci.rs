@@ -87,8 +87,9 @@ fn write_for_toolkit(folder: &mut OutputFolder, loaded: &LoadedField, job: &Expo
     write(folder, loaded, &scene, job.group.as_deref().unwrap_or(GROUP), &more)?;
     for (region, mask) in &loaded.regions {
         let Some(name) = hci_mask(region) else { continue };
-        let scale = [rows / mask.nrows(), columns / mask.ncols()];
-        let large = Array2::from_shape_fn((rows, columns), |(v, u)| mask[[v / scale[0], u / scale[1]]]);
+        let (own_rows, own_columns) = mask.dim();
+        let of = |(v, u): (usize, usize)| mask[[v * own_rows / rows, u * own_columns / columns]];
+        let large = Array2::from_shape_fn((rows, columns), of);
         write_mask(folder, &format!("{scene}/{name}_lowres.png"), mask.view(), 1)?;
         write_mask(folder, &format!("{scene}/{name}_highres.png"), large.view(), 1)?;
     }

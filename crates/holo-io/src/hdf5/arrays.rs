@@ -8,7 +8,7 @@ use crate::atomic::AtomicPath;
 use crate::folder::Destination;
 use crate::{Error, FileDigest};
 
-/// A writer of arrays of 8-bit integers, of which the caller chooses names and axes; without compression.
+/// A writer of arrays of 8-bit integers. The caller chooses their names and axes. Nothing is compressed.
 ///
 /// Parts along the first axis are written in any order; those that are not are 0. The file appears when
 /// [`finish`](Self::finish) succeeds.

@@ -318,14 +318,14 @@ pub(super) fn encoding(is_float: bool) -> ColorEncoding {
 /// What is wrong with the order of the views, if the motion between them shows it.
 fn warning_of_order(path: &Path, light_field: &DynLightField, order: ViewOrder) -> Option<String> {
     let found = for_each_sample!(DynLightField, light_field, field => field.view_order_of_images())?;
-    let (path, order) = (path.display(), order.name());
-    if order != ViewOrder::RowMajor.name() {
-        return Some(format!("{path}: the motion between the images is not that of the order {order}"));
+    let (path, name) = (path.display(), order.name());
+    if order != ViewOrder::RowMajor {
+        return Some(format!("{path}: the motion between the images is not that of the order {name}; try others"));
     }
     let views = light_field.shape().views();
     let views = if found.is_by_columns() { GridSize::new(views.columns, views.rows) } else { views };
     Some(format!(
-        "{path}: the motion between the images is not that of the order {order}, but of {} ({views} views)",
+        "{path}: the motion between the images is not that of the order {name}, but of {} ({views} views)",
         found.name()
     ))
 }

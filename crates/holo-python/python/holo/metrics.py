@@ -29,7 +29,8 @@ def evaluate(
 ) -> dict[str, float]:
     """Scores a disparity map against ground truth with the metrics of the HCI 4D light field benchmark.
 
-    estimate, truth: disparity in pixels, axes (row, column); what is not finite is counted and not compared.
+    estimate, truth: disparity in pixels, axes (row, column); what is not finite is counted and not compared. A truth with
+        a multiple of the rows and columns is one of high resolution, to which the estimate is enlarged.
     border: pixels at every side that are not compared, as in the benchmark and in `holo eval`.
     mask: True where pixels are compared, axes (row, column).
     rig: adds the median angle between surface normals.

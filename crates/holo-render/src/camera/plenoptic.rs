@@ -490,3 +490,30 @@ impl PlenopticRays {
 
 const NO_RAYS: ExactRays =
     ExactRays { origin_x: [0.0; LANES], origin_y: [0.0; LANES], direction_x: [0.0; LANES], direction_y: [0.0; LANES] };
+
+#[cfg(test)]
+mod tests {
+    use holo_core::GridSize;
+    use holo_core::plenoptic::{ImageSensor, MainLens, MicrolensArray, MicrolensGrid};
+
+    use super::*;
+
+    /// The order of the bits is that of a sort, near the center and far from it.
+    #[test]
+    fn pixels_follow_the_curve() {
+        let array = MicrolensArray::new(MicrolensGrid::Square, 1e-4, 4e-4);
+        let sensor = ImageSensor::new(GridSize::new(90, 120), 5e-6);
+        let camera = PlenopticCamera::new(sensor, array, MainLens::new(0.05, 4.0, 2.0)).unwrap();
+        let lens = RawLens::new(&camera, camera.microlens(MicrolensIndex { row: 0, column: 0 }));
+        for far in [1, 7, 60, 2 * WIDEST] {
+            let pixels: Vec<[u32; 2]> = (0..400).map(|k| [hash(k) % far, hash(k + 400) % far]).collect();
+            let mut expected = pixels.clone();
+            expected.sort_by_key(|&pixel| morton(lens.view(pixel)));
+            expected.dedup();
+            let mut order = Order { pixels, ..Order::default() };
+            order.sort(&lens);
+            order.pixels.dedup();
+            assert_eq!(order.pixels, expected, "{far}");
+        }
+    }
+}

@@ -11,6 +11,7 @@ use crate::accel::refine::Refined;
 use crate::accel::{ExactRays, NO_TRIANGLE, RayHits};
 use crate::camera::tile::Tile;
 use crate::film::layers::{Layer, LayerSet, Layers};
+use crate::geometry::InstanceData;
 use crate::material::SurfaceInteraction;
 use crate::simd::LANES;
 
@@ -125,43 +126,39 @@ fn hit_mask(hits: &PrimaryHits) -> [f32; LANES] {
     out
 }
 
+/// A value of the instances that are hit; 0 for a miss.
 #[inline(always)]
-fn object_id(context: &Context, hits: &PrimaryHits) -> [f32; LANES] {
+fn of_instances(context: &Context, hits: &PrimaryHits, value: impl Fn(&InstanceData) -> f32) -> [f32; LANES] {
+    let geometry = &context.scene.geometry;
     let mut out = [0.0; LANES];
     for lane in 0..LANES {
         let hit = hits.packet.hit(lane);
         if hit.triangle != NO_TRIANGLE {
-            out[lane] = (context.scene.geometry.instance(context.scene.geometry.instance_index(hit)).object + 1) as f32;
+            out[lane] = value(geometry.instance(geometry.instance_index(hit)));
         }
     }
     out
+}
+
+#[inline(always)]
+fn object_id(context: &Context, hits: &PrimaryHits) -> [f32; LANES] {
+    of_instances(context, hits, |instance| (instance.object + 1) as f32)
 }
 
 #[inline(always)]
 fn material_id(context: &Context, hits: &PrimaryHits) -> [f32; LANES] {
-    let mut out = [0.0; LANES];
-    for lane in 0..LANES {
-        let hit = hits.packet.hit(lane);
-        if hit.triangle != NO_TRIANGLE {
-            let instance = context.scene.geometry.instance_index(hit);
-            out[lane] = (context.scene.geometry.instance(instance).material + 1) as f32;
-        }
-    }
-    out
+    of_instances(context, hits, |instance| (instance.material + 1) as f32)
 }
 
 #[inline(always)]
 fn reflective(context: &Context, hits: &PrimaryHits) -> [f32; LANES] {
-    let mut out = [0.0; LANES];
-    for lane in 0..LANES {
-        let hit = hits.packet.hit(lane);
-        if hit.triangle != NO_TRIANGLE {
-            let instance = context.scene.geometry.instance_index(hit);
-            let material = context.scene.geometry.instance(instance).material;
-            out[lane] = f32::from(u8::from(context.scene.appearance.is_reflective(material)));
-        }
-    }
-    out
+    of_instances(
+        context,
+        hits,
+        |instance| {
+            if context.scene.appearance.is_reflective(instance.material) { 1.0 } else { 0.0 }
+        },
+    )
 }
 
 #[inline(always)]
