@@ -48,7 +48,7 @@ fn a_dataset_has_the_folders_of_the_paper_and_tells_what_it_is() {
     assert!(outcome.stdout.contains("4 folders with 32 files"), "{outcome:?}");
 }
 
-/// A preset gives a dataset its settings and its number of views. An option beside it wins.
+/// A preset sets the settings and the number of views of a dataset. An option of the command line replaces its own.
 #[test]
 fn a_preset_makes_a_dataset_like_those_of_a_benchmark() {
     let bench = Bench::new();
