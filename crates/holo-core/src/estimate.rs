@@ -1,34 +1,40 @@
 //! Disparity estimation by multi-view stereo: a plane sweep with semi-global matching and refinement.
 //!
-//! 1. `views.rs` selects a star of views around the central one and copies them as planes of `f32`.
+//! 1. `views.rs` selects a star or a grid of views around the central one and copies them as planes of `f32`. `pyramid.rs`
+//!    halves their resolution until they are small. The steps below begin with the smallest, and its estimate guides
+//!    the next: what has no texture in the noise of single pixels has some in means of many.
 //! 2. `cost.rs` shifts every view by every disparity and computes the color difference to the central view: truncated,
-//!    summed over 3 x 3 pixels, and over the half of the star with the lowest mean, because an occluder hides a point
+//!    summed over 3 x 3 pixels, and over the half of the views with the lowest mean, because an occluder hides a point
 //!    from the views of one side. From one disparity to the next the outermost view moves by up to a pixel
-//!    (`effort.rs`).
+//!    (`effort.rs`). Where the costs are noise, the coarser estimate decides (`pyramid.rs`).
 //! 3. `scanline.rs` aggregates the costs along eight directions, so that pixels without texture follow textured
 //!    neighbors. `sweep.rs` selects the disparity of the lowest cost.
 //! 4. `measure.rs` makes one Gauss-Newton step per pixel, with the views in which the pixel is visible according to the
 //!    current map and with robust weights. It also estimates the variance of the step.
 //! 5. `plane_fit.rs` fits a plane to the steps around every pixel, weighted by their precision, by similarity of color
-//!    and by membership in the same surface. Steps 4 and 5 are repeated. The precision of the fit gives the confidence.
+//!    and by membership in the same surface. `sharpen.rs` moves the edges of the map to those of the image. Steps 4 and 5
+//!    are repeated. The precision of the fit gives the confidence.
 //!
 //! `cargo xtask report` measures error and time on scenes of the gallery.
 //!
 //! # Limits
 //!
-//! The estimate is wrong on mirrors and glass, which show objects at other distances; on surfaces at grazing angles
-//! with little texture; at pixels along depth edges; and where objects are about a pixel wide, as in grass.
+//! The estimate is wrong on mirrors and glass, which show objects at other distances; on glossy surfaces without texture,
+//! whose light moves with the eye; on surfaces at grazing angles with little texture; at pixels along depth edges; and
+//! where objects are about a pixel wide, as in grass.
 //!
 //! # Memory
 //!
-//! With n views of the star and C matched channels: `4 C (n + 1) V U` bytes for samples, `(20 + 12 C) V U` for maps,
+//! With n views and C matched channels: `5.4 C (n + 1) V U` bytes for samples, `(40 + 12 C) V U` for maps,
 //! and 256 MiB or `512 planes U` bytes, whichever is more, for costs (less for small views).
 
 mod cost;
 mod effort;
 mod measure;
 mod plane_fit;
+mod pyramid;
 mod scanline;
+mod sharpen;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -42,12 +48,17 @@ use crate::{BaselineRatio, Error, LightField, Sample};
 use cost::Planes;
 use effort::Settings;
 use plane_fit::Fit;
+use pyramid::Prior;
 use views::Views;
 
 /// The largest number of planes of a sweep: 4096 of them cost 2 MiB a pixel column.
 const MOST_PLANES: usize = 4096;
 /// The standard error of confidence 1/2.
 const HALF_CONFIDENCE_PX: f32 = 0.02;
+/// The gate of a coarser level: surfaces that are a pixel apart are half of one apart there.
+const COARSE_GATE: f32 = 0.3;
+/// The gate of the last of several rounds, in gates of the first.
+const LAST_GATE: f32 = 0.25;
 /// The largest absolute disparity of a range.
 const LARGEST_PX: f32 = 1e6;
 
@@ -112,7 +123,7 @@ pub struct DisparityEstimate {
 
 /// Estimates the disparity of every pixel of the central view: multi-view stereo by plane sweep.
 ///
-/// A star of views is compared with the central one. Every pixel gets the plane of constant disparity in which the
+/// Some views are compared with the central one. Every pixel gets the plane of constant disparity in which the
 /// colors of the views agree best. The disparity of every pixel is then refined between the planes.
 ///
 /// # Shape
@@ -129,7 +140,7 @@ pub struct DisparityEstimate {
 /// # Accuracy
 ///
 /// Slanted planes with a smooth texture and without noise: within 0.01 px for [`Effort::Balanced`] and up, outside a
-/// border of 7 pixels. Mirrors and glass get the disparity of their reflections and refractions, or an arbitrary one.
+/// border of 7 pixels. Noise and flat areas: `cargo xtask report`. Mirrors and glass get the disparity of their reflections and refractions, or an arbitrary one.
 /// Regions without texture follow their neighbors. The result does not depend on the number of threads.
 ///
 /// # Errors
@@ -141,9 +152,9 @@ pub struct DisparityEstimate {
 ///
 /// # Source
 ///
-/// Plane sweep: Collins 1996. Selection of half of the views: Kang, Szeliski and Chai 2001. Aggregation along
+/// Plane sweep: Collins 1996. Coarse to fine: Quam 1984. Selection of half of the views: Kang, Szeliski and Chai 2001. Aggregation along
 /// scanlines: Hirschmueller 2008. Refinement: a Gauss-Newton step per pixel (Lucas and Kanade 1981) and a weighted
-/// plane fit to the steps around it.
+/// plane fit to the steps around it. Edges: the weighted median of Ma et al. 2013.
 ///
 /// # Examples
 ///
@@ -172,27 +183,44 @@ where
     check_range(low, high)?;
     let settings = effort.settings();
     let views = Views::gather(light_field, &settings, options.baseline_ratio)?;
-    let planes = spread(&views, &settings, low, high)?;
-    let mut map = sweep::sweep(&views, &planes, &views.guide()?, sweep::BAND_BYTES)?;
-
-    // The sweep is accurate to one step or to half a pixel of the outermost view. A larger difference is another
-    // surface.
-    let gate_px = planes.step_px.max(0.5 / views.reach());
-    let fit = Fit { radius_px: settings.radius_px, gate_px, widest_px: 4.0 * gate_px };
-    let mut image = views.center.clone();
-    let mut information = Vec::new();
-    for _ in 0..settings.refinements {
-        let found = measure::measure(&views, &map, &image, high, planes.step_px)?;
-        (map, information) = fit.smooth(views.size, &map, &found)?;
-        map.iter_mut().for_each(|disparity_px| *disparity_px = disparity_px.clamp(low, high));
-        image = found.image;
-    }
+    let (map, information) = solve(&views, &settings, low, high, 0)?;
     let confidence = information.into_iter().map(confidence).collect();
     let shape = (views.size.rows, views.size.columns);
     Ok(DisparityEstimate {
         disparity_px: Array2::from_shape_vec(shape, map).expect("one value a pixel"),
         confidence: Array2::from_shape_vec(shape, confidence).expect("one value a pixel"),
     })
+}
+
+/// The map of a level and its information, after those of the coarser levels.
+fn solve(views: &Views, settings: &Settings, low: f32, high: f32, level: usize) -> Result<(Vec<f32>, Vec<f32>), Error> {
+    let guide = views.guide()?;
+    let prior = match views.halved()? {
+        Some(coarse) => {
+            let (map, information) = solve(&coarse, settings, 0.5 * low, 0.5 * high, level + 1)?;
+            Some(Prior::new(&coarse, &map, &information, &guide, views.size)?)
+        }
+        None => None,
+    };
+    let planes = spread(views, settings, low, high)?;
+    let mut map = sweep::sweep(views, &planes, &guide, prior.as_ref(), sweep::BAND_BYTES)?;
+
+    // The sweep is accurate to one step or to half a pixel of the outermost view, and every round to less. A larger
+    // difference is another surface.
+    let mut gate_px = planes.step_px.max(0.5 / views.reach()) * if level > 0 { COARSE_GATE } else { 1.0 };
+    let next_gate = LAST_GATE.powf(1.0 / (settings.refinements.max(2) - 1) as f32);
+    let mut image = views.center.clone();
+    let mut fitted = Vec::new();
+    for _ in 0..settings.refinements {
+        let found = measure::measure(views, &map, &image, high, planes.step_px)?;
+        let fit = Fit { radius_px: settings.radius_px, gate_px, widest_px: 4.0 * gate_px };
+        fitted = fit.smooth(views.size, &map, &found, &fitted)?;
+        map = sharpen::sharpen(views.size, &fitted, &found.image)?;
+        map.iter_mut().for_each(|disparity_px| *disparity_px = disparity_px.clamp(low, high));
+        image = found.image;
+        gate_px *= next_gate;
+    }
+    Ok((map, fitted.iter().map(|plane| plane.information).collect()))
 }
 
 fn check_range(low: f32, high: f32) -> Result<(), Error> {

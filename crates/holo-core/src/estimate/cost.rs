@@ -106,6 +106,9 @@ struct Shift {
     down: isize,
     right: isize,
     weights: [f32; 4],
+    /// The factor that makes differences of noise as large on every plane: an interpolated pixel has less of it than a whole
+    /// one, and planes on which many views are interpolated would be chosen wherever nothing else decides.
+    evenness: f32,
 }
 
 impl Shift {
@@ -118,17 +121,21 @@ impl Shift {
             let end = (count as isize - shift - needs_next).clamp(first, count as isize);
             (first as usize, end as usize)
         };
+        let weights = [
+            (1.0 - down_part) * (1.0 - right_part),
+            (1.0 - down_part) * right_part,
+            down_part * (1.0 - right_part),
+            down_part * right_part,
+        ];
+        // The variances of the central view and of the interpolated one, for 1 a pixel.
+        let variance = 1.0 + weights.iter().map(|weight| weight * weight).sum::<f32>();
         Self {
             rows: range(down, down_part, views.size.rows),
             columns: range(right, right_part, views.size.columns),
             down,
             right,
-            weights: [
-                (1.0 - down_part) * (1.0 - right_part),
-                (1.0 - down_part) * right_part,
-                down_part * (1.0 - right_part),
-                down_part * right_part,
-            ],
+            weights,
+            evenness: (2.0 / variance).sqrt(),
         }
     }
 
@@ -169,7 +176,7 @@ impl Shift {
                 shifted[column] += (value - center[column]).abs();
             }
         }
-        let scale = 1.0 / (views.channels as f32 * TRUNCATION);
+        let scale = self.evenness / (views.channels as f32 * TRUNCATION);
         for ((sum, count), shifted) in differences[first..end].iter_mut().zip(&mut counts[first..end]).zip(shifted) {
             *sum += (*shifted * scale).min(1.0);
             *count += 1.0;

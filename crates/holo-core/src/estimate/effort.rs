@@ -7,10 +7,10 @@ pub enum Effort {
     Draft,
     /// A cross of up to 16 views in color, refined twice.
     Fast,
-    /// A star of up to 32 views in color, planes half a pixel apart, refined four times.
+    /// A star of up to 32 views in color, planes half a pixel apart, refined three times.
     #[default]
     Balanced,
-    /// A star of up to 64 views in color, planes 0.35 pixels apart, refined six times.
+    /// A grid of up to 9 x 9 views in color, planes half a pixel apart, refined four times.
     Thorough,
 }
 
@@ -19,7 +19,8 @@ pub enum Effort {
 pub(super) struct Settings {
     pub(super) is_grey: bool,
     pub(super) has_diagonals: bool,
-    pub(super) views_per_arm: usize,
+    /// Views of an arm of the star; `None`: a grid of views.
+    pub(super) views_per_arm: Option<usize>,
     /// The movement of the outermost view from plane to plane, in pixels.
     pub(super) step_px: f32,
     pub(super) refinements: usize,
@@ -32,23 +33,23 @@ impl Effort {
         let balanced = Settings {
             is_grey: false,
             has_diagonals: true,
-            views_per_arm: 4,
+            views_per_arm: Some(4),
             step_px: 0.5,
-            refinements: 4,
+            refinements: 3,
             radius_px: 7,
         };
         match self {
             Self::Draft => Settings {
                 is_grey: true,
                 has_diagonals: false,
-                views_per_arm: 2,
+                views_per_arm: Some(2),
                 step_px: 1.0,
                 refinements: 1,
                 radius_px: 3,
             },
             Self::Fast => Settings { has_diagonals: false, step_px: 0.75, refinements: 2, radius_px: 5, ..balanced },
             Self::Balanced => balanced,
-            Self::Thorough => Settings { views_per_arm: 8, step_px: 0.35, refinements: 6, radius_px: 9, ..balanced },
+            Self::Thorough => Settings { views_per_arm: None, refinements: 4, ..balanced },
         }
     }
 }

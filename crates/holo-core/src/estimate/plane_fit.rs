@@ -29,34 +29,38 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// Returns the map of the fitted planes, and the information of every fit.
+    /// Returns the fitted planes around all pixels. `before` has those of the round before, or none; a plane whose pixel has
+    /// another disparity since is not used.
     pub(super) fn smooth(
         &self,
         size: GridSize,
         map: &[f32],
         found: &Measurements,
-    ) -> Result<(Vec<f32>, Vec<f32>), Error> {
-        let mut smoothed = filled("a disparity map", map.len(), 0.0)?;
-        let mut information = filled("the information of a disparity map", map.len(), 0.0)?;
-        let neighbors = Neighbors { fit: self, size, map, found, channels: found.image.len() / map.len() };
-        smoothed.par_iter_mut().zip(information.par_iter_mut()).with_min_len(size.columns).enumerate().for_each(
-            |(pixel, (smoothed, information))| {
-                let plane = neighbors.plane_at(pixel / size.columns, pixel % size.columns);
-                (*smoothed, *information) = (plane.here, plane.information);
-            },
-        );
-        Ok((smoothed, information))
+        before: &[Plane],
+    ) -> Result<Vec<Plane>, Error> {
+        let mut planes = filled("planes around pixels", map.len(), Plane::default())?;
+        let neighbors = Neighbors::new(self, size, map, found)?;
+        planes.par_iter_mut().with_min_len(size.columns).enumerate().for_each(|(pixel, plane)| {
+            let before = before.get(pixel).filter(|plane| plane.here == map[pixel]);
+            *plane = neighbors.plane_at(pixel / size.columns, pixel % size.columns, before);
+        });
+        Ok(planes)
     }
 }
 
 /// Disparity as a linear function of the distance to a pixel.
-#[derive(Debug, Clone, Copy)]
-struct Plane {
-    here: f32,
-    by_row: f32,
-    by_column: f32,
-    information: f32,
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Plane {
+    pub(super) here: f32,
+    pub(super) by_row: f32,
+    pub(super) by_column: f32,
+    /// The information of the fit, in 1/px^2.
+    pub(super) information: f32,
 }
+
+/// Neighbors in a row that are added at once.
+const LANES: usize = 8;
+type Lanes = [f32; LANES];
 
 struct Neighbors<'a> {
     fit: &'a Fit,
@@ -64,17 +68,34 @@ struct Neighbors<'a> {
     map: &'a [f32],
     found: &'a Measurements,
     channels: usize,
+    /// The means of the measurements and the current disparities.
+    values: Vec<f32>,
+    /// The weights of the distances, row by row of the square, and [`LANES`] more.
+    near: Vec<f32>,
 }
 
-impl Neighbors<'_> {
-    fn plane_at(&self, row: usize, column: usize) -> Plane {
+impl<'a> Neighbors<'a> {
+    fn new(fit: &'a Fit, size: GridSize, map: &'a [f32], found: &'a Measurements) -> Result<Self, Error> {
+        let mut values = filled("a disparity map", map.len(), 0.0)?;
+        values.par_iter_mut().with_min_len(size.columns).enumerate().for_each(|(pixel, value)| {
+            let information = found.information[pixel];
+            *value = (information * found.disparity_px[pixel] + PRIOR * map[pixel]) / (information + PRIOR);
+        });
+        let side = 2 * fit.radius_px + 1;
+        let from_center = |k: usize| (k as f32 - fit.radius_px as f32).powi(2);
+        let per_square = 1.0 / ((fit.radius_px * fit.radius_px) as f32 * 0.75);
+        let weight = |k: usize| 1.0 / (1.0 + (from_center(k / side) + from_center(k % side)) * per_square);
+        let near = (0..side * side).map(weight).chain([0.0; LANES]);
+        Ok(Self { fit, size, map, found, channels: found.image.len() / map.len(), values, near: near.collect() })
+    }
+
+    fn plane_at(&self, row: usize, column: usize, before: Option<&Plane>) -> Plane {
         let here = self.map[row * self.size.columns + column];
         let gate_px = self.gate_px(row, column);
-        // The first gate is flat. The second follows the slope of the first fit.
-        let mut plane = Plane { here, by_row: 0.0, by_column: 0.0, information: 0.0 };
-        for _ in 0..2 {
-            plane = self.fitted(row, column, &plane, gate_px, 1);
-        }
+        // The first gate is flat. The second follows the slope of the first fit, or of the round before.
+        let flat = Plane { here, ..Plane::default() };
+        let sloped = before.map_or_else(|| self.fitted(row, column, &flat, gate_px, 1), |plane| *plane);
+        let mut plane = self.fitted(row, column, &sloped, gate_px, 1);
         for stride in [2, 4] {
             if plane.information < ENOUGH {
                 plane = self.fitted(row, column, &plane, gate_px, stride);
@@ -99,48 +120,124 @@ impl Neighbors<'_> {
     /// The least-squares plane through every `stride`-th neighbor.
     fn fitted(&self, row: usize, column: usize, last: &Plane, gate_px: f32, stride: usize) -> Plane {
         let GridSize { rows, columns } = self.size;
-        let radius = self.fit.radius_px * stride;
+        let radius = self.fit.radius_px;
         // Counted from the pixel outward, so that the pixel is always included.
-        let top = row - row.min(radius) / stride * stride;
-        let left = column - column.min(radius) / stride * stride;
-        let (bottom, right) = ((row + radius).min(rows - 1), (column + radius).min(columns - 1));
-        let center = row * columns + column;
-        let per_square = 1.0 / ((radius * radius) as f32 * 0.75);
-        let per_color = 1.0 / (self.channels as f32 * COLOR * COLOR);
-        let mut moments = Moments::default();
-        for other_row in (top..=bottom).step_by(stride) {
+        let (above, before) = ((row / stride).min(radius), (column / stride).min(radius));
+        let (below, after) = (((rows - 1 - row) / stride).min(radius), ((columns - 1 - column) / stride).min(radius));
+        let (left, count) = (column - before * stride, before + 1 + after);
+        let color: [f32; 3] =
+            std::array::from_fn(|channel| self.color(channel.min(self.channels - 1))[row * columns + column]);
+        let per_square = 1.0 / (self.channels as f32 * COLOR * COLOR);
+        let mut moments = LaneMoments::default();
+        for step in 0..above + 1 + below {
+            let other_row = row + step * stride - above * stride;
             let y = other_row as f32 - row as f32;
-            for other_column in (left..=right).step_by(stride) {
-                let x = other_column as f32 - column as f32;
-                let other = other_row * columns + other_column;
-                let so_far = self.map[other];
-                let off = (so_far - last.here - last.by_row * y - last.by_column * x) / gate_px;
-                // Tukey's biweight: the weight is 0 beyond the gate.
-                let same = 1.0 - off * off;
-                if same <= 0.0 {
-                    continue;
+            let near = &self.near[(radius + step - above) * (2 * radius + 1) + radius - before..];
+            for first in (0..count).step_by(LANES) {
+                let taken = (count - first).min(LANES);
+                let run = Run { first: other_row * columns + left + first * stride, stride, taken };
+                let x: Lanes = std::array::from_fn(|lane| ((first + lane) * stride) as f32 - (before * stride) as f32);
+                let mut near = Run { first, stride: 1, taken }.of(near);
+                for (lane, near) in near.iter_mut().enumerate() {
+                    *near = if lane < taken { *near } else { 0.0 };
                 }
-                let alike = 1.0 / (1.0 + self.color_distance(center, other) * per_color);
-                let near = 1.0 / (1.0 + (x * x + y * y) * per_square);
-                let weight = (same * alike * near) * (same * alike * near);
-                let information = self.found.information[other];
-                let value = (information * self.found.disparity_px[other] + PRIOR * so_far) / (information + PRIOR);
-                moments.add(weight * (information + PRIOR), x, y, value - last.here);
-                moments.information += weight * information;
+                let so_far = run.of(self.map);
+                let mut squares = [0.0; LANES];
+                for channel in 0..self.channels {
+                    let other = run.of(self.color(channel));
+                    for lane in 0..LANES {
+                        squares[lane] += (other[lane] - color[channel]) * (other[lane] - color[channel]);
+                    }
+                }
+                let mut weight = [0.0; LANES];
+                for lane in 0..LANES {
+                    let off = (so_far[lane] - last.here - last.by_row * y - last.by_column * x[lane]) / gate_px;
+                    // Tukey's biweight: the weight is 0 beyond the gate. It is 0 in lanes that are not taken, as `near` is.
+                    let same = (1.0 - off * off).max(0.0);
+                    let factor = same * near[lane] / (1.0 + squares[lane] * per_square);
+                    weight[lane] = factor * factor;
+                }
+                moments.add(&weight, &run.of(&self.found.information), &x, y, &run.of(&self.values), last.here);
             }
         }
-        let mut plane = moments.solve(radius);
+        let mut plane = moments.sum().solve(radius * stride);
         plane.here += last.here;
         plane
     }
 
-    fn color_distance(&self, one: usize, other: usize) -> f32 {
-        let mut squares = 0.0;
-        for channel in self.found.image.chunks_exact(self.map.len()).take(self.channels) {
-            let difference = channel[one] - channel[other];
-            squares += difference * difference;
+    fn color(&self, channel: usize) -> &[f32] {
+        let pixels = self.map.len();
+        &self.found.image[channel * pixels..(channel + 1) * pixels]
+    }
+}
+/// Pixels of a row, from `first` on, of which the first lanes are taken.
+#[derive(Clone, Copy)]
+struct Run {
+    first: usize,
+    stride: usize,
+    taken: usize,
+}
+
+impl Run {
+    /// Their values; any in lanes that are not taken.
+    #[inline]
+    fn of(self, values: &[f32]) -> Lanes {
+        let Self { first, stride, taken } = self;
+        match values[first..].first_chunk() {
+            Some(run) if stride == 1 => *run,
+            _ => std::array::from_fn(|lane| if lane < taken { values[first + lane * stride] } else { 0.0 }),
         }
-        squares
+    }
+}
+
+/// [`Moments`] of every lane.
+#[derive(Default)]
+struct LaneMoments {
+    one: Lanes,
+    x: Lanes,
+    y: Lanes,
+    xx: Lanes,
+    xy: Lanes,
+    yy: Lanes,
+    d: Lanes,
+    dx: Lanes,
+    dy: Lanes,
+    information: Lanes,
+}
+
+impl LaneMoments {
+    /// Adds pixels of a row with disparities relative to `base`.
+    fn add(&mut self, weight: &Lanes, information: &Lanes, x: &Lanes, y: f32, values: &Lanes, base: f32) {
+        for lane in 0..LANES {
+            let w = weight[lane] * (information[lane] + PRIOR);
+            let (wx, wy, wd) = (w * x[lane], w * y, w * (values[lane] - base));
+            self.one[lane] += w;
+            self.x[lane] += wx;
+            self.y[lane] += wy;
+            self.xx[lane] += wx * x[lane];
+            self.xy[lane] += wx * y;
+            self.yy[lane] += wy * y;
+            self.d[lane] += wd;
+            self.dx[lane] += wd * x[lane];
+            self.dy[lane] += wd * y;
+            self.information[lane] += weight[lane] * information[lane];
+        }
+    }
+
+    fn sum(&self) -> Moments {
+        let sum = |lanes: &Lanes| lanes.iter().sum();
+        Moments {
+            one: sum(&self.one),
+            x: sum(&self.x),
+            y: sum(&self.y),
+            xx: sum(&self.xx),
+            xy: sum(&self.xy),
+            yy: sum(&self.yy),
+            d: sum(&self.d),
+            dx: sum(&self.dx),
+            dy: sum(&self.dy),
+            information: sum(&self.information),
+        }
     }
 }
 
@@ -160,19 +257,6 @@ struct Moments {
 }
 
 impl Moments {
-    fn add(&mut self, weight: f32, x: f32, y: f32, d: f32) {
-        let (wx, wy, wd) = (weight * x, weight * y, weight * d);
-        self.one += weight;
-        self.x += wx;
-        self.y += wy;
-        self.xx += wx * x;
-        self.xy += wx * y;
-        self.yy += wy * y;
-        self.d += wd;
-        self.dx += wd * x;
-        self.dy += wd * y;
-    }
-
     /// The least-squares plane; without neighbors the plane 0.
     fn solve(&self, radius: usize) -> Plane {
         if self.one <= 0.0 {
@@ -230,11 +314,15 @@ mod tests {
         };
         for _ in 0..200 {
             let points: Vec<_> = (0..20).map(|_| (random(), random() * 8.0 - 4.0, random() * 8.0, random())).collect();
-            let mut moments = Moments::default();
-            for &(w, x, y, d) in &points {
-                moments.add(w as f32, x as f32, y as f32, d as f32);
+            let mut moments = LaneMoments::default();
+            for (k, &(w, x, y, d)) in points.iter().enumerate() {
+                let in_lane =
+                    |value: f64| std::array::from_fn(|lane| if lane == k % LANES { value as f32 } else { 0.0 });
+                // The information is 0, and the weight is that of the current disparity.
+                let weight = in_lane(w / f64::from(PRIOR));
+                moments.add(&weight, &[0.0; LANES], &in_lane(x), y as f32, &in_lane(d), 0.0);
             }
-            let difference = f64::from(moments.solve(4).here) - naive_solve(&points, 4);
+            let difference = f64::from(moments.sum().solve(4).here) - naive_solve(&points, 4);
             // Twenty terms of about 1, rounded to f32, over a determinant that points on one side of the pixel make
             // small.
             assert!(difference.abs() < 1e-4, "{difference}");
@@ -253,7 +341,7 @@ mod tests {
         let noisy = (0..400).map(|pixel| truth(pixel) + if pixel % 3 == 0 { 0.1 } else { -0.05 }).collect();
         let found = Measurements { disparity_px: noisy, information: vec![400.0; 400], image: vec![0.5; 400] };
         let fit = Fit { radius_px: 4, gate_px: 0.25, widest_px: 0.5 };
-        let (smoothed, _) = fit.smooth(size, &map, &found).unwrap();
+        let smoothed: Vec<f32> = fit.smooth(size, &map, &found, &[]).unwrap().iter().map(|plane| plane.here).collect();
         for pixel in 0..400 {
             let error = (smoothed[pixel] - truth(pixel)).abs();
             // A corner has 25 neighbors: an error of 0.071 root mean square becomes about 0.071 / 5 * 2 (the value at

@@ -3,6 +3,7 @@
 use crate::parallel::*;
 
 use super::cost::{self, Planes};
+use super::pyramid::Prior;
 use super::scanline;
 use super::views::Views;
 use crate::layout::checked_product;
@@ -17,7 +18,13 @@ const MARGIN_ROWS: usize = 32;
 /// Returns the disparity of lowest cost of every pixel, interpolated between planes.
 ///
 /// The bands depend on sizes only, so the map does not depend on the number of threads.
-pub(super) fn sweep(views: &Views, planes: &Planes, guide: &[f32], band_bytes: usize) -> Result<Vec<f32>, Error> {
+pub(super) fn sweep(
+    views: &Views,
+    planes: &Planes,
+    guide: &[f32],
+    prior: Option<&Prior>,
+    band_bytes: usize,
+) -> Result<Vec<f32>, Error> {
     let GridSize { rows, columns } = views.size;
     let too_large = Error::TooLarge { what: "volume of costs" };
     let row_cells = checked_product(&[columns, planes.count]).ok_or(too_large.clone())?;
@@ -33,6 +40,9 @@ pub(super) fn sweep(views: &Views, planes: &Planes, guide: &[f32], band_bytes: u
         let cells = (bottom - top) * row_cells;
         let (costs, sums) = (&mut costs[..cells], &mut sums[..cells]);
         cost::fill(views, planes, top, costs);
+        if let Some(prior) = prior {
+            prior.add(planes, top, costs);
+        }
         let size = GridSize::new(bottom - top, columns);
         scanline::aggregate(costs, size, planes.count, &guide[top * columns..bottom * columns], sums);
         let sums = &sums[(first - top) * row_cells..];

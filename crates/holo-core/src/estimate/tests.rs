@@ -13,9 +13,9 @@ fn bands_change_at_most_one_pixel_in_a_hundred() {
     }
     let planes = Planes { first_px: -1.0, step_px: 0.25, count: 9 };
     let guide = views.guide().unwrap();
-    let whole = sweep::sweep(&views, &planes, &guide, sweep::BAND_BYTES).unwrap();
+    let whole = sweep::sweep(&views, &planes, &guide, None, sweep::BAND_BYTES).unwrap();
     // A budget of 0 gives the smallest band: 128 rows, of which 64 are used.
-    let banded = sweep::sweep(&views, &planes, &guide, 0).unwrap();
+    let banded = sweep::sweep(&views, &planes, &guide, None, 0).unwrap();
     let different = whole.iter().zip(&banded).filter(|(one, other)| (**one - **other).abs() > 0.01).count();
     // Only pixels without other evidence depend on paths from beyond the margin: at most one in a hundred.
     assert!(different * 100 < whole.len(), "{different} of {}", whole.len());

@@ -11,6 +11,9 @@ use crate::{BaselineRatio, Error, GridSize, LightField, Sample};
 /// The arms of the star, clockwise from the right: rows and columns of one step.
 pub(super) const ARMS: [(isize, isize); 8] = [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)];
 
+/// The largest number of views of a grid from the central one to a side: 9 x 9 in all.
+const GRID_ARM: usize = 4;
+
 /// One view: its position relative to the central view, and its samples.
 pub(super) struct View {
     /// Pixels up that a point moves from the central view to this one, per pixel of disparity.
@@ -63,11 +66,11 @@ impl Views {
         scale.apply(&mut center);
 
         let (mut others, mut places) = (Vec::new(), Vec::new());
-        let star = star(views, settings);
-        if star.is_empty() {
+        let chosen = chosen(views, settings);
+        if chosen.is_empty() {
             return Err(Error::ZeroCount { what: "views beside the central one" });
         }
-        for (row, column, arm) in star {
+        for (row, column, arm) in chosen {
             let (down, right) = (row as f64 - middle_row as f64, column as f64 - middle_column as f64);
             let (down, right) = ((down * ratio.vertical()) as f32, (right * ratio.horizontal()) as f32);
             let reach = down.abs().max(right.abs());
@@ -130,12 +133,44 @@ pub(super) fn directions(ratio: BaselineRatio) -> [(f32, f32); 8] {
     })
 }
 
-/// The views of the star, `(row, column, arm)`: evenly spaced along every arm, the outermost included.
-fn star(views: GridSize, settings: &Settings) -> Vec<(usize, usize, usize)> {
+/// The views of the star or the grid, `(row, column, arm)`.
+fn chosen(views: GridSize, settings: &Settings) -> Vec<(usize, usize, usize)> {
+    match settings.views_per_arm {
+        Some(views_per_arm) => star(views, views_per_arm, settings.has_diagonals),
+        None => grid(views),
+    }
+}
+
+/// A grid of views, evenly spaced along both axes, the outermost included. Each belongs to the nearest arm.
+fn grid(views: GridSize) -> Vec<(usize, usize, usize)> {
+    let along = |count: usize| -> Vec<usize> {
+        let middle = count / 2;
+        let (before, after) = (middle, count - 1 - middle);
+        let steps =
+            |length: usize| (1..=length.min(GRID_ARM)).map(move |k| (k * length).div_ceil(length.min(GRID_ARM)));
+        let before = steps(before).map(|step| middle - step);
+        before.chain([middle]).chain(steps(after).map(|step| middle + step)).collect()
+    };
+    let mut chosen = Vec::new();
+    for row in along(views.rows) {
+        for column in along(views.columns) {
+            let (down, right) = (row as f32 - (views.rows / 2) as f32, column as f32 - (views.columns / 2) as f32);
+            if (down, right) != (0.0, 0.0) {
+                // Clockwise from the right, as the arms.
+                let eighth = down.atan2(right) / std::f32::consts::FRAC_PI_4;
+                chosen.push((row, column, (eighth.round() as i32).rem_euclid(8) as usize));
+            }
+        }
+    }
+    chosen
+}
+
+/// The views of the star: evenly spaced along every arm, the outermost included.
+fn star(views: GridSize, views_per_arm: usize, has_diagonals: bool) -> Vec<(usize, usize, usize)> {
     let (middle_row, middle_column) = (views.rows / 2, views.columns / 2);
     let mut chosen = Vec::new();
     for (arm, &(down, right)) in ARMS.iter().enumerate() {
-        if arm % 2 == 1 && !settings.has_diagonals {
+        if arm % 2 == 1 && !has_diagonals {
             continue;
         }
         let room = |step: isize, middle: usize, count: usize| match step {
@@ -144,7 +179,7 @@ fn star(views: GridSize, settings: &Settings) -> Vec<(usize, usize, usize)> {
             _ => usize::MAX,
         };
         let length = room(down, middle_row, views.rows).min(room(right, middle_column, views.columns));
-        let taken = length.min(settings.views_per_arm);
+        let taken = length.min(views_per_arm);
         for index in 1..=taken {
             // Rounded up, so that the last one is the outermost; distinct because taken <= length.
             let steps = (index * length).div_ceil(taken) as isize;
@@ -253,7 +288,7 @@ mod tests {
     use super::*;
 
     fn chosen(rows: usize, columns: usize, effort: Effort) -> Vec<(usize, usize, usize)> {
-        star(GridSize::new(rows, columns), &effort.settings())
+        super::chosen(GridSize::new(rows, columns), &effort.settings())
     }
 
     #[test]
@@ -269,7 +304,7 @@ mod tests {
                 assert!(places.iter().all(|&(row, column)| row < rows && column < columns));
                 assert_eq!(columns > 1, places.contains(&(rows / 2, 0)), "{rows}x{columns}");
                 assert_eq!(rows > 1, places.contains(&(0, columns / 2)), "{rows}x{columns}");
-                assert!(views.len() <= 64, "what `measure` can hold");
+                assert!(views.len() <= 80, "what `measure` can hold");
             }
         }
         assert_eq!(chosen(9, 9, Effort::Balanced).len(), 32);

@@ -1,6 +1,7 @@
 //! The plane sweep on views that a formula defines.
 
 mod hostile;
+mod noise;
 mod occlusion;
 mod planes;
 mod scenes;

@@ -13,15 +13,18 @@ fn difference(views: &Views, view: &View, disparity_px: f64, row: usize, column:
     }
     let (top, left) = (y.floor() as usize, x.floor() as usize);
     let (bottom, right) = ((top + 1).min(rows - 1), (left + 1).min(columns - 1));
+    let (down, across) = (y - y.floor(), x - x.floor());
+    let squares = |part: f64| (1.0 - part).powi(2) + part.powi(2);
+    // The noise of the difference, in that of a difference of whole pixels.
+    let noise = ((1.0 + squares(down) * squares(across)) / 2.0).sqrt();
     let mut sum = 0.0;
     for channel in 0..views.channels {
         let at = |row: usize, column: usize| f64::from(view.samples[channel * rows * columns + row * columns + column]);
-        let (down, across) = (y - y.floor(), x - x.floor());
         let value = (1.0 - down) * ((1.0 - across) * at(top, left) + across * at(top, right))
             + down * ((1.0 - across) * at(bottom, left) + across * at(bottom, right));
         sum += (value - f64::from(views.center[channel * rows * columns + row * columns + column])).abs();
     }
-    Some((sum / views.channels as f64 / f64::from(TRUNCATION)).min(1.0))
+    Some((sum / noise / views.channels as f64 / f64::from(TRUNCATION)).min(1.0))
 }
 
 /// The cost, a number from 0 to 1.
