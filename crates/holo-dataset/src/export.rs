@@ -48,8 +48,17 @@ enum Writer {
     },
     /// All light fields as one.
     Joined(fn(&mut OutputFolder, &[SourceField]) -> Result<(), Error>),
-    /// The images of pinhole cameras, which lie in a folder; returns their number.
-    Pinholes(fn(&mut OutputFolder, &Path) -> Result<usize, Error>),
+    /// Images of posed cameras: those of a folder, or the views of light fields.
+    Posed(PosedWriter),
+}
+
+/// Writers of images of posed cameras; they return the number of images.
+#[derive(Clone, Copy, Debug)]
+struct PosedWriter {
+    /// Of pinhole cameras, which lie in a folder.
+    of_folder: fn(&mut OutputFolder, &Path) -> Result<usize, Error>,
+    /// Of a light field, into a folder with `/` at its end, or the export itself, `""`.
+    of_field: fn(&mut OutputFolder, &str, &LoadedField) -> Result<usize, Error>,
 }
 
 /// What a warning about a whole export depends on: the pixels of a view.
@@ -148,8 +157,8 @@ impl ExportJob {
         }
         // A wrong request is refused before a folder appears.
         let sources = match self.target.writer {
-            Writer::Fields { .. } | Writer::Joined(_) => renamed(sources(&self.input, self.views)?, &self.names)?,
-            Writer::Pinholes(_) => self.checked_pinholes()?,
+            Writer::Posed(_) if self.has_pinholes() => self.checked_pinholes()?,
+            _ => renamed(sources(&self.input, self.views)?, &self.names)?,
         };
         if std::fs::read_dir(&out).is_ok_and(|mut entries| entries.next().is_some()) {
             return Err(Error::BadRequest(format!("{} has files already; give an empty `out`", out.display())));
@@ -172,7 +181,21 @@ impl ExportJob {
                 write(&mut folder, &sources)?;
                 counted(sources.len(), "light field")
             }
-            Writer::Pinholes(write) => counted(write(&mut folder, &self.input)?, "image"),
+            Writer::Posed(writer) if sources.is_empty() => {
+                counted((writer.of_folder)(&mut folder, &self.input)?, "image")
+            }
+            Writer::Posed(writer) => {
+                let mut count = 0;
+                for (number, source) in sources.iter().enumerate() {
+                    let loaded = source.load(number)?;
+                    let inner = if sources.len() == 1 { String::new() } else { format!("{}/", loaded.name) };
+                    if !inner.is_empty() {
+                        folder.subfolder(&loaded.name)?;
+                    }
+                    count += (writer.of_field)(&mut folder, &inner, &loaded)?;
+                }
+                counted(count, "image")
+            }
         };
         let text = format!(
             "{contents} for {}: {}\n{}\nWritten by holo {} from {}.\n",
@@ -188,23 +211,21 @@ impl ExportJob {
         Ok(Exported { contents, files })
     }
 
-    /// Refuses an input without images of pinhole cameras, and settings that only light fields have.
+    /// Whether the input is a folder of images of pinhole cameras.
+    fn has_pinholes(&self) -> bool {
+        self.input.join(TRANSFORMS).is_file() && self.input.join("images").is_dir()
+    }
+
+    /// Refuses settings that images of pinhole cameras do not have.
     fn checked_pinholes(&self) -> Result<Vec<SourceField>, Error> {
-        let name = self.target.name;
         for (key, is_given) in
             [("views", self.views.is_some()), ("group", self.group.is_some()), ("names", !self.names.is_empty())]
         {
             if is_given {
-                return Err(Error::BadRequest(format!("`{key}` is of light fields, and {name} takes single images")));
+                return Err(Error::BadRequest(format!("`{key}` is of light fields, and these are single images")));
             }
         }
-        match self.input.join(TRANSFORMS).is_file() && self.input.join("images").is_dir() {
-            true => Ok(Vec::new()),
-            false => Err(Error::BadRequest(format!(
-                "{}: {name} takes a folder with {TRANSFORMS} and images of pinhole cameras; render one with `transforms`",
-                self.input.display()
-            ))),
-        }
+        Ok(Vec::new())
     }
 
     /// The folder of a scene in its group.

@@ -67,9 +67,7 @@ impl<'a> Studio<'a> {
     /// What a page has to know before it shows anything.
     fn hello(&self) -> serde_json::Value {
         let Preview { scene, camera, given, out, .. } = self.preview;
-        let scenes: Vec<_> = [gallery::NAMES, gallery::ANIMATED]
-            .concat()
-            .into_iter()
+        let scenes: Vec<_> = gallery::all_names()
             .map(|name| json!({"name": name, "purpose": gallery::purpose(name).unwrap_or_default()}))
             .collect();
         let cameras: Vec<_> = holo_core::plenoptic::presets()

@@ -69,8 +69,9 @@ def main():
     if not arguments or arguments[0].startswith("--"):
         sys.exit(__doc__)
     holo = arguments[0]
+    lines = [line.split(maxsplit=1) for line in run(holo, "scene").splitlines()]
     # The animated ones come last, with scenes of the others.
-    names = run(holo, "scene").split()[:15]
+    names = [name for name, purpose in lines if not purpose.startswith("animated")]
     rows = math.ceil(len(names) / COLUMNS)
     width, height = TILE[0] + GAP, TILE[1] + STRIP + 2 + CROP[1] + GAP
     page = Image.new("RGB", (COLUMNS * width - GAP, rows * height - GAP), "white")

@@ -28,6 +28,9 @@
 //! | `fruit` | a still life of all materials | 0.15 |
 //! | `fence` | depth through a fence before foliage | 0.17 |
 //!
+//! Four more vary one difficulty of the estimation of depth each ([`STRATIFIED`]): `backgammon` (fine structures), `dots` (small
+//! objects in little light), `pyramids` (planes and curves), `stripes` (contrast and texture at occlusions).
+//!
 //! Three more move ([`ANIMATED`], [`animation`]): `pendulum` swings before a wall, in `turning_clockwork` the wheels turn,
 //! and in `garden_walk` the camera walks over the lawn.
 
@@ -52,6 +55,7 @@ mod pendulum;
 mod plaster;
 mod shapes;
 mod solids;
+mod stratified;
 mod studio;
 #[cfg(test)]
 mod tests;
@@ -85,8 +89,16 @@ pub const NAMES: &[&str] = &[
 /// The number of scenes at the beginning of [`NAMES`] that the paper's dataset has.
 pub const OF_PAPER: usize = 15;
 
+/// The names of the stratified scenes. They are no part of a dataset unless they are named.
+pub const STRATIFIED: &[&str] = &["backgammon", "dots", "pyramids", "stripes"];
+
 /// The names of the animated scenes. They are no part of a dataset unless they are named.
 pub const ANIMATED: &[&str] = &["pendulum", "turning_clockwork", "garden_walk"];
+
+/// Returns the names of all scenes: [`NAMES`], [`STRATIFIED`], [`ANIMATED`].
+pub fn all_names() -> impl Iterator<Item = &'static str> + Clone {
+    NAMES.iter().chain(STRATIFIED).chain(ANIMATED).copied()
+}
 
 /// Builds the scene with this name, an animated one at rest; `None` for an unknown name.
 #[must_use]
@@ -108,6 +120,10 @@ pub fn scene(name: &str) -> Option<Scene> {
         "dominoes" => dominoes::scene,
         "fruit" => fruit::scene,
         "fence" => fence::scene,
+        "backgammon" => stratified::backgammon,
+        "dots" => stratified::dots,
+        "pyramids" => stratified::pyramids,
+        "stripes" => stratified::stripes,
         "pendulum" => pendulum::scene,
         "turning_clockwork" => clockwork::scene,
         "garden_walk" => garden::scene,
@@ -159,6 +175,10 @@ pub fn purpose(name: &str) -> Option<&'static str> {
         "dominoes" => "a large range of depths",
         "fruit" => "a still life of all materials",
         "fence" => "depth through a fence before foliage",
+        "backgammon" => "stratified: fine structures, occlusions and steps of disparity",
+        "dots" => "stratified: small objects in less and less light",
+        "pyramids" => "stratified: planes and curves, convex and concave",
+        "stripes" => "stratified: contrast and texture at occlusions",
         "pendulum" => "animated: a pendulum before resting textures",
         "turning_clockwork" => "animated: turning wheels of rough metal",
         "garden_walk" => "animated: a camera path through dense foliage",

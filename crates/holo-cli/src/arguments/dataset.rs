@@ -26,8 +26,8 @@ pub struct DatasetOptions {
     /// Settings with a name: draft, clean, reference, hci, urbanlf, paper-8k.
     #[arg(long, value_name = "NAME", value_parser = preset, help_heading = QUALITY, long_help = preset_help())]
     pub preset: Option<&'static Preset>,
-    /// Built-in scenes, separated by commas, `paper` for the fifteen of the paper's dataset, or `none` [default: all, or none
-    /// with --glb; `holo scene` lists them].
+    /// Built-in scenes, separated by commas, `paper` for the fifteen of the paper's dataset, `stratified` for four that vary
+    /// one difficulty each, or `none` [default: sixteen, or none with --glb; `holo scene` lists them].
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub scenes: Vec<String>,
     /// Your own scenes, .glb or .gltf; each is named after its file.

@@ -7,7 +7,7 @@ use crate::console::{out, say};
 use crate::failure::Failure;
 
 pub fn run(options: &SceneOptions) -> Result<(), Failure> {
-    let known = [gallery::NAMES, gallery::ANIMATED].concat();
+    let known: Vec<&str> = gallery::all_names().collect();
     let Some(name) = &options.name else {
         for name in &known {
             out!("{name:18} {}", gallery::purpose(name).unwrap_or_default())?;

@@ -146,14 +146,68 @@ fn pinhole_cameras_are_exported_for_radiance_fields() {
     ok(bench.run("export posed --for nerfstudio --out studio"));
     let (list, own) = (json("studio/transforms.json"), json("posed/transforms.json"));
     assert_eq!((&list["frames"], &list["ply_file_path"]), (&own["frames"], &"points3d.ply".into()));
-    for (arguments, words) in [
-        ("export posed --for nerf --views 9 --out two", "light fields"),
-        ("export cameras.json --for nerf --out two", "transforms"),
+    for (arguments, code, words) in [
+        ("export posed --for nerf --views 9 --out two", 2, "light fields"),
+        ("export cameras.json --for nerf --out two", 1, "cameras.json"),
     ] {
         let refused = bench.run(arguments);
-        assert!(refused.code == Some(2) && refused.stderr.contains(words), "{arguments}: {refused:?}");
+        assert!(refused.code == Some(code) && refused.stderr.contains(words), "{arguments}: {refused:?}");
     }
     assert!(!bench.path("two").exists());
+}
+
+/// Views are pinhole cameras whose principal points keep the focus plane in place; a focus at infinity leaves them in the middle.
+#[test]
+fn views_are_exported_for_radiance_fields() {
+    let bench = Bench::new();
+    let field = rendered(&bench);
+    let refused = bench.run("export lf --for nerf --out nerf");
+    assert!(refused.code == Some(2) && refused.stderr.contains("focus-m inf"), "{refused:?}");
+    assert!(!bench.path("nerf").exists());
+    ok(bench.run("export lf --for nerfstudio --out studio"));
+    let json = |name: &str| -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(bench.path(name)).unwrap()).unwrap()
+    };
+    let list = json("studio/transforms.json");
+    let frames = list["frames"].as_array().unwrap();
+    assert_eq!((frames.len(), &list["ply_file_path"]), (81, &"points3d.ply".into()));
+    let rig = LightFieldReader::open(bench.path("lf"), &ReadOptions::default()).unwrap().rig().copied().unwrap();
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    for (t, s) in [(0, 0), (2, 7), (4, 4), (8, 3)] {
+        let frame = &frames[9 * t + s];
+        let name = format!("images/{t:03}_{s:03}.png");
+        assert_eq!(frame["file_path"], name.as_str());
+        assert_eq!(read_u8(bench.path(format!("studio/{name}"))), field.view(t, s).unwrap());
+        // As nerfstudio projects: the camera looks along its -Z, and rows run down.
+        let position = [0, 1, 2].map(|row| number(&frame["transform_matrix"][row][3]));
+        for point in [[0.1, -0.2, -2.0], [-0.4, 0.3, -7.0]] {
+            let [x, y, z] = [0, 1, 2].map(|k| point[k] - position[k]);
+            let column = number(&frame["cx"]) + number(&frame["fl_x"]) * x / -z;
+            let row = number(&frame["cy"]) - number(&frame["fl_y"]) * y / -z;
+            let (own_row, own_column) = rig.project(point, t, s).unwrap();
+            assert!((row - own_row).abs() < 1e-9 && (column - own_column).abs() < 1e-9, "{t} {s}");
+        }
+    }
+    // Points have the depth of pixels of the central view.
+    let bytes = std::fs::read(bench.path("studio/points3d.ply")).unwrap();
+    let at = bytes.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
+    let depth = holo_io::read_pfm_gray(bench.path("lf/scene_depth.pfm"), &Limits::default()).unwrap();
+    let hit: Vec<_> = depth.indexed_iter().filter(|(_, z)| z.is_finite()).collect();
+    assert!(!hit.is_empty() && bytes.len() - at == 27 * hit.len());
+    for (((v, u), z), point) in hit.into_iter().zip(bytes[at..].chunks_exact(27)) {
+        let place = [0, 1, 2].map(|k| f64::from(f32::from_le_bytes(point[4 * k..4 * k + 4].try_into().unwrap())));
+        let (row, column) = rig.project(place, 4, 4).unwrap();
+        assert!((row - v as f64 - 0.5).abs() < 1e-4 && (column - u as f64 - 0.5).abs() < 1e-4);
+        assert!((place[2] + f64::from(*z)).abs() < 1e-6 * place[2].abs());
+    }
+
+    ok(bench.run(&format!(
+        "render {SCENE} --out far --views 3x2 --lenses 16x12 --focus-m inf --baseline-m 0.01 --spp 1 --quiet"
+    )));
+    ok(bench.run("export far --for nerf --out nerf"));
+    let (train, test) = (json("nerf/transforms_train.json"), json("nerf/transforms_test.json"));
+    assert_eq!((train["frames"].as_array().unwrap().len(), test["frames"].as_array().unwrap().len()), (5, 1));
+    assert_eq!(train["frames"][0]["file_path"], "./images/000_001");
 }
 
 /// The toolkit's truth of high resolution and masks, and truth of all views where it was rendered.

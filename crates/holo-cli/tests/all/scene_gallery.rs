@@ -11,7 +11,7 @@ fn the_gallery_is_listed() {
     assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""));
     let lines = outcome.stdout.lines().map(|line| line.split_once(' ').expect("a name, and what it is for"));
     let (names, purposes): (Vec<&str>, Vec<&str>) = lines.unzip();
-    assert_eq!(names, [holo_scene::gallery::NAMES, holo_scene::gallery::ANIMATED].concat());
+    assert_eq!(names, holo_scene::gallery::all_names().collect::<Vec<_>>());
     assert!(purposes.iter().all(|purpose| !purpose.trim().is_empty()), "{purposes:?}");
     assert_eq!(bench.list(""), [common::SCENE], "listing writes nothing");
 }

@@ -193,18 +193,20 @@ impl DatasetRun<'_> {
     }
 }
 
-/// The name of the gallery's scenes that the paper's dataset has, in place of scenes.
+/// The names of lists of the gallery's scenes, in place of scenes: of the paper's dataset, and the stratified ones.
 const PAPER: &str = "paper";
+const STRATIFIED: &str = "stratified";
 
-/// Returns the scenes of a dataset: scenes of the gallery by name (`None`: all; `paper`: the fifteen of the paper's dataset),
-/// then files.
+/// Returns the scenes of a dataset: scenes of the gallery by name (`None`: all of [`gallery::NAMES`]; `paper`: the fifteen of the
+/// paper's dataset; `stratified`: [`gallery::STRATIFIED`]), then files.
 ///
 /// # Errors
 /// [`Error::BadRequest`] if the gallery has no scene of a name; [`Error::Failed`] if a file does not exist.
 pub fn sources(names: Option<&[String]>, files: &[PathBuf]) -> Result<Vec<SceneSource>, Error> {
     let names: Vec<&str> = match names {
         None => gallery::NAMES.to_vec(),
-        Some(names) if names.len() == 1 && names[0] == PAPER => gallery::NAMES[..gallery::OF_PAPER].to_vec(),
+        Some([list]) if list == PAPER => gallery::NAMES[..gallery::OF_PAPER].to_vec(),
+        Some([list]) if list == STRATIFIED => gallery::STRATIFIED.to_vec(),
         Some(names) => names.iter().map(String::as_str).collect(),
     };
     let mut sources = names.into_iter().map(SceneSource::gallery).collect::<Result<Vec<_>, _>>()?;

@@ -5,16 +5,20 @@
 //! | `nerf` | `transforms_train.json`, `transforms_test.json` (every eighth image), `images/NAME.png`, `points3d.ply` |
 //! | `nerfstudio` | `transforms.json`, `images/NAME.png`, `points3d.ply` |
 //!
-//! The input is a folder of `holo render --transforms`. Its cameras are in the world of its `transforms.json`, and so are the
-//! points: places of pixels by their depth, with their colors, where the folder has depth.
+//! The input is a folder of `holo render --transforms`, whose cameras are in the world of its `transforms.json`, or a light
+//! field: its views are cameras in the frame of the rig, `TTT_SSS`, with their principal points outside the middle if the focus is
+//! finite. Points are places of pixels by their depth, with their colors: of all images of a folder, of the central view of a
+//! light field.
 
 use std::path::Path;
 
-use holo_core::{DynImage, GridSize, Sample, for_each_sample};
-use holo_io::{ArrayCamera, CameraArray, Folder, Limits, WorldUp};
+use holo_core::{ColorEncoding, DynImage, GridSize, Projection, Rig, Sample, for_each_sample};
+use holo_io::{CameraArray, Compression, Folder, Limits, WorldUp};
+use ndarray::ArrayView2;
 use serde_json::{Value, json};
 
-use super::{ExportTarget, Writer};
+use super::source::LoadedField;
+use super::{ExportTarget, PosedWriter, Writer};
 use crate::Error;
 use crate::output::{OutputFolder, TRANSFORMS};
 
@@ -22,14 +26,20 @@ pub(super) const NERF: ExportTarget = ExportTarget {
     name: "nerf",
     help: "3D Gaussian splatting, instant-ngp, NeRF: transforms_train.json and transforms_test.json",
     usage: "Programs take this folder as their source (`train.py -s` of 3D Gaussian splatting).",
-    writer: Writer::Pinholes(|folder, input| write(folder, input, write_splits)),
+    writer: Writer::Posed(PosedWriter {
+        of_folder: |out, input| write_folder(out, input, write_splits),
+        of_field: |out, inner, loaded| write_field(out, inner, loaded, write_splits),
+    }),
 };
 
 pub(super) const NERFSTUDIO: ExportTarget = ExportTarget {
     name: "nerfstudio",
     help: "nerfstudio: transforms.json with intrinsics, and points",
     usage: "ns-train takes this folder as --data.",
-    writer: Writer::Pinholes(|folder, input| write(folder, input, write_list)),
+    writer: Writer::Posed(PosedWriter {
+        of_folder: |out, input| write_folder(out, input, write_list),
+        of_field: |out, inner, loaded| write_field(out, inner, loaded, write_list),
+    }),
 };
 
 const TRAIN: &str = "transforms_train.json";
@@ -39,77 +49,162 @@ const POINTS: &str = "points3d.ply";
 /// Every so many images one is for tests, as readers of other sets do it.
 const TEST_EVERY: usize = 8;
 
-/// About so many points are made of all images.
+/// About so many points are made of all images with depth.
 const MANY_POINTS: usize = 100_000;
+
+/// How far the principal point may be from the middle for readers that have it there, px.
+const MIDDLE_PX: f64 = 1e-6;
 
 /// A point with its color.
 type ColoredPoint = ([f32; 3], [u8; 3]);
 
-/// Writes the lists of cameras; the text names the points, if there are some.
-type WriteCameras = fn(&mut OutputFolder, &Folder, &CameraArray, bool) -> Result<(), Error>;
+/// A pinhole camera with its image.
+struct PosedCamera {
+    /// The name of the image, without its ending.
+    name: String,
+    axes_and_position: [[f64; 3]; 4],
+    focal_px: f64,
+    /// The principal point from the upper left corner: right and down, px.
+    center_px: [f64; 2],
+    size: GridSize,
+}
 
-fn write(out: &mut OutputFolder, input: &Path, write_cameras: WriteCameras) -> Result<usize, Error> {
+/// Writes the lists of cameras into a folder of the export; the text names the points, if there are some.
+type WriteCameras = fn(&mut OutputFolder, &str, &[PosedCamera], bool) -> Result<(), Error>;
+
+/// Writes the images of a folder.
+fn write_folder(out: &mut OutputFolder, input: &Path, write_cameras: WriteCameras) -> Result<usize, Error> {
     let folder = Folder::open(input)?;
     // Numbers stay those of the file, whatever its axis is that points up.
     let array = CameraArray::read_in(&folder, TRANSFORMS, WorldUp::Y, None)?;
-    let images = Images { folder, stride: stride(&array) };
+    let no_size =
+        || Error::BadRequest(format!("{}: cameras have no size in pixels", folder.path_of(TRANSFORMS).display()));
+    let mut cameras = Vec::new();
+    for camera in array.cameras {
+        let size = camera.size.ok_or_else(no_size)?;
+        let center_px = [size.columns as f64 / 2.0, size.rows as f64 / 2.0];
+        let (axes_and_position, focal_px) = (camera.axes_and_position, camera.focal_px);
+        cameras.push(PosedCamera { name: camera.name, axes_and_position, focal_px, center_px, size });
+    }
     out.subfolder("images")?;
+    let stride = stride(cameras.iter().map(|camera| camera.size.count()).sum());
     let mut points = Vec::new();
-    for camera in &array.cameras {
+    for camera in &cameras {
         let name = format!("images/{}.png", camera.name);
-        let bytes = images.folder.read(&name, Limits::default().max_bytes)?;
-        points.extend(images.points(camera, &bytes)?);
+        let bytes = folder.read(&name, Limits::default().max_bytes)?;
+        let map = format!("depth/{}.pfm", camera.name);
+        if folder.path_of(&map).is_file() {
+            let depth = holo_io::read_pfm_in(&folder, &map, &Limits::default())?.values;
+            let color = holo_io::decode_png(&bytes[..], &Limits::default())?;
+            if color.size() != camera.size
+                || depth.dim() != (camera.size.rows, camera.size.columns, 1)
+                || color.channels() < 3
+            {
+                let what = format!("{map}, the image and the camera have different sizes, or there are no colors");
+                return Err(Error::Failed(format!("{}: {what}", folder.path().display())));
+            }
+            points.extend(camera.points(depth.index_axis(ndarray::Axis(2), 0), stride, |v, u| code(&color, v, u)));
+        }
         out.add(name.clone(), holo_io::write_file(out.file(&name), &bytes)?);
     }
-    if !points.is_empty() {
-        out.add(POINTS, holo_io::write_file(out.file(POINTS), &ply(&points))?);
-    }
-    write_cameras(out, &images.folder, &array, !points.is_empty())?;
-    Ok(array.cameras.len())
+    finish(out, "", &cameras, &points, write_cameras)
 }
 
-/// The pixels from one point to the next, along both axes.
-fn stride(array: &CameraArray) -> usize {
-    let pixels: usize = array.cameras.iter().filter_map(|camera| camera.size).map(GridSize::count).sum();
+/// Writes the views of a light field into a folder of the export, with `/` at its end, or `""`.
+fn write_field(
+    out: &mut OutputFolder,
+    inner: &str,
+    loaded: &LoadedField,
+    write_cameras: WriteCameras,
+) -> Result<usize, Error> {
+    let views = loaded.field.shape().views();
+    let Some(rig) = loaded.rig.filter(|rig| rig.projection() == Projection::Perspective) else {
+        return Err(loaded
+            .lacks("it has no perspective rig, which places its views", "render it with `projection` perspective"));
+    };
+    let cameras: Vec<PosedCamera> =
+        (0..views.count()).map(|k| camera_of_view(&rig, k / views.columns, k % views.columns)).collect();
+    out.subfolder(&format!("{inner}images"))?;
+    for (camera, (_, view)) in cameras.iter().zip(loaded.field.views()) {
+        let name = format!("{inner}images/{}.png", camera.name);
+        out.add(name.clone(), holo_io::write_png(out.file(&name), view, ColorEncoding::Srgb, Compression::Fast)?);
+    }
+    let (t, s) = (views.rows / 2, views.columns / 2);
+    let mut points = Vec::new();
+    if let (Some(depth), true) = (&loaded.depth_m, loaded.field.channels() >= 3) {
+        let (central, stride) = (loaded.field.view(t, s)?, stride(depth.len()));
+        points =
+            cameras[t * views.columns + s].points(depth.view(), stride, |v, u| [0, 1, 2].map(|c| central[[v, u, c]]));
+    }
+    finish(out, inner, &cameras, &points, write_cameras)
+}
+
+/// The camera of a view: it stands in the plane of the rig and looks along -Z, and its image is moved so that the focus plane
+/// stays where it is.
+fn camera_of_view(rig: &Rig, t: usize, s: usize) -> PosedCamera {
+    let (x, y, per_m) = (rig.view_x_m(s), rig.view_y_m(t), rig.inverse_focus_per_m());
+    PosedCamera {
+        name: format!("{t:03}_{s:03}"),
+        axes_and_position: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, y, 0.0]],
+        focal_px: rig.column(1.0) - rig.column(0.0),
+        center_px: [rig.column(x * per_m), rig.row(y * per_m)],
+        size: rig.shape().lenses(),
+    }
+}
+
+/// Writes points and cameras; returns the number of cameras.
+fn finish(
+    out: &mut OutputFolder,
+    inner: &str,
+    cameras: &[PosedCamera],
+    points: &[ColoredPoint],
+    write_cameras: WriteCameras,
+) -> Result<usize, Error> {
+    if !points.is_empty() {
+        let name = format!("{inner}{POINTS}");
+        out.add(name.clone(), holo_io::write_file(out.file(&name), &ply(points))?);
+    }
+    write_cameras(out, inner, cameras, !points.is_empty())?;
+    Ok(cameras.len())
+}
+
+/// The pixels from one point to the next along both axes, for a number of pixels with depth.
+fn stride(pixels: usize) -> usize {
     ((pixels as f64 / MANY_POINTS as f64).sqrt().ceil() as usize).max(1)
 }
 
-/// The images of a folder.
-struct Images {
-    folder: Folder,
-    stride: usize,
-}
-
-impl Images {
-    /// The points that a camera sees; none without a map of depth.
-    fn points(&self, camera: &ArrayCamera, image: &[u8]) -> Result<Vec<ColoredPoint>, Error> {
-        let map = format!("depth/{}.pfm", camera.name);
-        if !self.folder.path_of(&map).is_file() {
-            return Ok(Vec::new());
-        }
-        let depth = holo_io::read_pfm_in(&self.folder, &map, &Limits::default())?.values;
-        let color = holo_io::decode_png(image, &Limits::default())?;
-        let (rows, columns, _) = depth.dim();
-        let size = color.size();
-        if (size.rows, size.columns) != (rows, columns) || color.channels() < 3 {
-            let what = format!("{map} and the image have different sizes, or there are no colors");
-            return Err(Error::Failed(format!("{}: {what}", self.folder.path().display())));
-        }
-        let [right, up, back, position] = camera.axes_and_position;
+impl PosedCamera {
+    /// The points that every so many pixels see.
+    fn points(
+        &self,
+        depth: ArrayView2<f32>,
+        stride: usize,
+        color: impl Fn(usize, usize) -> [u8; 3],
+    ) -> Vec<ColoredPoint> {
+        let (rows, columns) = depth.dim();
+        let [right, up, back, position] = self.axes_and_position;
         let mut points = Vec::new();
-        for v in (self.stride / 2..rows).step_by(self.stride) {
-            for u in (self.stride / 2..columns).step_by(self.stride) {
-                let z = f64::from(depth[[v, u, 0]]);
+        for v in (stride / 2..rows).step_by(stride) {
+            for u in (stride / 2..columns).step_by(stride) {
+                let z = f64::from(depth[[v, u]]);
                 if !z.is_finite() {
                     continue;
                 }
-                let x = (u as f64 + 0.5 - columns as f64 / 2.0) / camera.focal_px * z;
-                let y = (rows as f64 / 2.0 - v as f64 - 0.5) / camera.focal_px * z;
+                let x = (u as f64 + 0.5 - self.center_px[0]) / self.focal_px * z;
+                let y = (self.center_px[1] - v as f64 - 0.5) / self.focal_px * z;
                 let place = std::array::from_fn(|i| (position[i] + x * right[i] + y * up[i] - z * back[i]) as f32);
-                points.push((place, code(&color, v, u)));
+                points.push((place, color(v, u)));
             }
         }
-        Ok(points)
+        points
+    }
+
+    /// The matrix from the camera to the world.
+    fn matrix(&self) -> Value {
+        let columns = self.axes_and_position;
+        let mut rows: Vec<Vec<f64>> = (0..3).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
+        rows.push(vec![0.0, 0.0, 0.0, 1.0]);
+        json!(rows)
     }
 }
 
@@ -137,43 +232,55 @@ fn ply(points: &[ColoredPoint]) -> Vec<u8> {
     out
 }
 
-/// The lists for training and for tests, with one angle of view for all.
-fn write_splits(out: &mut OutputFolder, input: &Folder, array: &CameraArray, _: bool) -> Result<(), Error> {
-    let bad = |what: &str| Error::BadRequest(format!("{}: {what}", input.path().display()));
-    let first = &array.cameras[0];
-    let is_one = array.cameras.iter().all(|camera| (camera.focal_px, camera.size) == (first.focal_px, first.size));
-    let Some(size) = first.size.filter(|_| is_one) else {
-        return Err(bad("the readers take one focal length and one size for all images; render such cameras"));
+/// The lists for training and for tests, with one angle of view for all, whose readers have the principal point in the middle.
+fn write_splits(out: &mut OutputFolder, inner: &str, cameras: &[PosedCamera], _: bool) -> Result<(), Error> {
+    let bad = |what: &str| Err(Error::BadRequest(what.into()));
+    let Some((first, others)) = cameras.split_first().filter(|(_, others)| !others.is_empty()) else {
+        return bad("one image is for training and one for tests; render two cameras or more");
     };
-    if array.cameras.len() < 2 {
-        return Err(bad("one image is for training and one for tests; render two cameras or more"));
+    if others.iter().any(|camera| (camera.focal_px, camera.size) != (first.focal_px, first.size)) {
+        return bad("the readers take one focal length and one size for all images; render such cameras");
     }
-    let angle = 2.0 * (size.columns as f64 / (2.0 * first.focal_px)).atan();
+    let middle = [first.size.columns as f64 / 2.0, first.size.rows as f64 / 2.0];
+    if cameras.iter().any(|camera| (0..2).any(|k| (camera.center_px[k] - middle[k]).abs() > MIDDLE_PX)) {
+        return bad(
+            "the readers have the principal point in the middle of an image, and views with a finite focus do not; render with \
+             `focus-m` inf, or export for nerfstudio",
+        );
+    }
+    let angle = 2.0 * (first.size.columns as f64 / (2.0 * first.focal_px)).atan();
     for (name, is_test) in [(TRAIN, false), (TEST, true)] {
-        let of_split = array.cameras.iter().enumerate().filter(|(k, _)| k.is_multiple_of(TEST_EVERY) == is_test);
-        let frames: Vec<Value> = of_split.map(|(_, camera)| frame(camera)).collect();
-        let root = json!({ "camera_angle_x": angle, "frames": frames });
-        out.add(name, holo_io::write_file(out.file(name), format!("{root:#}\n").as_bytes())?);
+        let of_split = cameras.iter().enumerate().filter(|(k, _)| k.is_multiple_of(TEST_EVERY) == is_test);
+        let frame = |(_, camera): (usize, &PosedCamera)| {
+            // Their images are named without their ending.
+            json!({ "file_path": format!("./images/{}", camera.name), "transform_matrix": camera.matrix() })
+        };
+        let frames: Vec<Value> = of_split.map(frame).collect();
+        write_json(out, &format!("{inner}{name}"), &json!({ "camera_angle_x": angle, "frames": frames }))?;
     }
     Ok(())
 }
 
-/// A camera, whose image is named without its ending.
-fn frame(camera: &ArrayCamera) -> Value {
-    let columns = camera.axes_and_position;
-    let mut rows: Vec<Vec<f64>> = (0..3).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
-    rows.push(vec![0.0, 0.0, 0.0, 1.0]);
-    json!({ "file_path": format!("./images/{}", camera.name), "transform_matrix": rows })
+/// The list of all cameras, each with its intrinsics, and the name of the points.
+fn write_list(out: &mut OutputFolder, inner: &str, cameras: &[PosedCamera], has_points: bool) -> Result<(), Error> {
+    let frame = |camera: &PosedCamera| {
+        json!({
+            "file_path": format!("images/{}.png", camera.name),
+            "fl_x": camera.focal_px, "fl_y": camera.focal_px,
+            "cx": camera.center_px[0], "cy": camera.center_px[1],
+            "w": camera.size.columns, "h": camera.size.rows,
+            "transform_matrix": camera.matrix(),
+        })
+    };
+    let frames: Vec<Value> = cameras.iter().map(frame).collect();
+    let mut root = json!({ "camera_model": "PINHOLE", "frames": frames });
+    if has_points {
+        root["ply_file_path"] = POINTS.into();
+    }
+    write_json(out, &format!("{inner}{TRANSFORMS}"), &root)
 }
 
-/// The list of all cameras, as it is, with the name of the points.
-fn write_list(out: &mut OutputFolder, input: &Folder, _: &CameraArray, has_points: bool) -> Result<(), Error> {
-    let bytes = input.read(TRANSFORMS, Limits::default().max_bytes)?;
-    let broken = |why: serde_json::Error| Error::Failed(format!("{}: {why}", input.path_of(TRANSFORMS).display()));
-    let mut root: Value = serde_json::from_slice(&bytes).map_err(broken)?;
-    if let (Some(object), true) = (root.as_object_mut(), has_points) {
-        object.insert("ply_file_path".into(), POINTS.into());
-    }
-    out.add(TRANSFORMS, holo_io::write_file(out.file(TRANSFORMS), format!("{root:#}\n").as_bytes())?);
+fn write_json(out: &mut OutputFolder, name: &str, value: &Value) -> Result<(), Error> {
+    out.add(name, holo_io::write_file(out.file(name), format!("{value:#}\n").as_bytes())?);
     Ok(())
 }

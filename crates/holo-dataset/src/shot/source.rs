@@ -33,10 +33,9 @@ impl SceneSource {
     /// # Errors
     /// [`Error::BadRequest`] if there is no such scene.
     pub fn gallery(name: &str) -> Result<Self, Error> {
-        let mut all = gallery::NAMES.iter().chain(gallery::ANIMATED);
-        let known = all.find(|known| **known == name);
-        let (name, glb) = known.and_then(|known| Some((*known, gallery::to_glb(known)?))).ok_or_else(|| {
-            let known = [gallery::NAMES, gallery::ANIMATED].concat().join(", ");
+        let known = gallery::all_names().find(|known| *known == name);
+        let (name, glb) = known.and_then(|known| Some((known, gallery::to_glb(known)?))).ok_or_else(|| {
+            let known = gallery::all_names().collect::<Vec<_>>().join(", ");
             Error::BadRequest(format!("the gallery has no scene '{name}'; it has: {known}"))
         })?;
         Ok(Self::Gallery(name, glb?.into()))
