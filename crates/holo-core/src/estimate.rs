@@ -25,7 +25,7 @@
 //!
 //! # Memory
 //!
-//! With n views and C matched channels: `5.4 C (n + 1) V U` bytes for samples, `(40 + 12 C) V U` for maps,
+//! With n views and C matched channels: `5.4 C (n + 1) V U` bytes for samples, `(52 + 8 C) V U` for maps,
 //! and 256 MiB or `512 planes U` bytes, whichever is more, for costs (less for small views).
 
 mod cost;
@@ -57,8 +57,6 @@ const MOST_PLANES: usize = 4096;
 const HALF_CONFIDENCE_PX: f32 = 0.02;
 /// The gate of a coarser level: surfaces that are a pixel apart are half of one apart there.
 const COARSE_GATE: f32 = 0.3;
-/// The gate of the last of several rounds, in gates of the first.
-const LAST_GATE: f32 = 0.25;
 /// The largest absolute disparity of a range.
 const LARGEST_PX: f32 = 1e6;
 
@@ -194,6 +192,8 @@ where
 
 /// The map of a level and its information, after those of the coarser levels.
 fn solve(views: &Views, settings: &Settings, low: f32, high: f32, level: usize) -> Result<(Vec<f32>, Vec<f32>), Error> {
+    // A range of too many planes is refused before any work. Coarser levels have fewer.
+    let planes = spread(views, settings, low, high)?;
     let guide = views.guide()?;
     let prior = match views.halved()? {
         Some(coarse) => {
@@ -202,13 +202,12 @@ fn solve(views: &Views, settings: &Settings, low: f32, high: f32, level: usize) 
         }
         None => None,
     };
-    let planes = spread(views, settings, low, high)?;
     let mut map = sweep::sweep(views, &planes, &guide, prior.as_ref(), sweep::BAND_BYTES)?;
+    drop((guide, prior));
 
     // The sweep is accurate to one step or to half a pixel of the outermost view, and every round to less. A larger
     // difference is another surface.
     let mut gate_px = planes.step_px.max(0.5 / views.reach()) * if level > 0 { COARSE_GATE } else { 1.0 };
-    let next_gate = LAST_GATE.powf(1.0 / (settings.refinements.max(2) - 1) as f32);
     let mut image = views.center.clone();
     let mut fitted = Vec::new();
     for _ in 0..settings.refinements {
@@ -218,7 +217,7 @@ fn solve(views: &Views, settings: &Settings, low: f32, high: f32, level: usize) 
         map = sharpen::sharpen(views.size, &fitted, &found.image)?;
         map.iter_mut().for_each(|disparity_px| *disparity_px = disparity_px.clamp(low, high));
         image = found.image;
-        gate_px *= next_gate;
+        gate_px *= settings.next_gate;
     }
     Ok((map, fitted.iter().map(|plane| plane.information).collect()))
 }

@@ -9,5 +9,6 @@ mod verify;
 mod webdataset;
 
 pub use self::catalog::{Described, finished, write_catalog};
+pub(crate) use self::verify::shots_of;
 pub use self::verify::{Verification, is_dataset, verify};
 pub use self::webdataset::{Archive, WebDataset};

@@ -3,7 +3,7 @@
 //! Conventions are those of each program's own loader. What a target writes never depends on the reader knowing anything of
 //! this project: sizes, ranges and orders are those that the loader expects.
 //!
-//! **May import:** output, watch.
+//! **May import:** describe, score, output, watch.
 
 mod basiclfsr;
 mod hci;
@@ -16,10 +16,11 @@ mod source;
 mod stanford;
 mod urbanlf;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use holo_core::GridSize;
 
+use self::nerf::CameraLists;
 use self::source::{LoadedField, SourceField, renamed, sources};
 use crate::Error;
 use crate::output::{OutputFolder, Rollback, TRANSFORMS};
@@ -34,6 +35,8 @@ pub struct ExportTarget {
     pub help: &'static str,
     /// How its reader is called, for the `README.txt` of an export.
     usage: &'static str,
+    /// Whether scenes lie in a group.
+    has_groups: bool,
     writer: Writer,
 }
 
@@ -49,16 +52,7 @@ enum Writer {
     /// All light fields as one.
     Joined(fn(&mut OutputFolder, &[SourceField]) -> Result<(), Error>),
     /// Images of posed cameras: those of a folder, or the views of light fields.
-    Posed(PosedWriter),
-}
-
-/// Writers of images of posed cameras; they return the number of images.
-#[derive(Clone, Copy, Debug)]
-struct PosedWriter {
-    /// Of pinhole cameras, which lie in a folder.
-    of_folder: fn(&mut OutputFolder, &Path) -> Result<usize, Error>,
-    /// Of a light field, into a folder with `/` at its end, or the export itself, `""`.
-    of_field: fn(&mut OutputFolder, &str, &LoadedField) -> Result<usize, Error>,
+    Posed(CameraLists),
 }
 
 /// What a warning about a whole export depends on: the pixels of a view.
@@ -91,7 +85,8 @@ impl ExportTarget {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ExportJob {
-    /// A dataset, a folder or a file with a light field, or a folder with images of pinhole cameras.
+    /// A dataset, a folder or a file with a light field, a folder with those of several poses or frames, or one with images of
+    /// pinhole cameras.
     pub input: PathBuf,
     /// The program that reads the files.
     pub target: &'static ExportTarget,
@@ -149,6 +144,14 @@ impl ExportJob {
         diagnostics: &dyn Diagnostics,
     ) -> Result<Exported, Error> {
         let out = out.into();
+        if self.group.is_some() && !self.target.has_groups {
+            let with_groups: Vec<&str> =
+                EXPORT_TARGETS.iter().filter(|target| target.has_groups).map(|target| target.name).collect();
+            let (name, others) = (self.target.name, with_groups.join(", "));
+            return Err(Error::BadRequest(format!(
+                "`group`: the files for {name} have no groups; those for {others} have"
+            )));
+        }
         let groups = self.group.iter().map(|group| ("group", group));
         for (key, name) in groups.chain(self.names.iter().map(|(_, name)| ("names", name))) {
             if name.is_empty() || !name.chars().all(|c| c.is_alphanumeric() || "-_ ".contains(c)) {
@@ -181,18 +184,14 @@ impl ExportJob {
                 write(&mut folder, &sources)?;
                 counted(sources.len(), "light field")
             }
-            Writer::Posed(writer) if sources.is_empty() => {
-                counted((writer.of_folder)(&mut folder, &self.input)?, "image")
+            Writer::Posed(lists) if sources.is_empty() => {
+                counted(nerf::write_folder(&mut folder, &self.input, lists)?, "image")
             }
-            Writer::Posed(writer) => {
+            Writer::Posed(lists) => {
                 let mut count = 0;
                 for (number, source) in sources.iter().enumerate() {
-                    let loaded = source.load(number)?;
-                    let inner = if sources.len() == 1 { String::new() } else { format!("{}/", loaded.name) };
-                    if !inner.is_empty() {
-                        folder.subfolder(&loaded.name)?;
-                    }
-                    count += (writer.of_field)(&mut folder, &inner, &loaded)?;
+                    let inner = if sources.len() == 1 { String::new() } else { format!("{}/", source.name()) };
+                    count += nerf::write_field(&mut folder, &inner, &source.load(number)?, lists)?;
                 }
                 counted(count, "image")
             }
@@ -218,9 +217,7 @@ impl ExportJob {
 
     /// Refuses settings that images of pinhole cameras do not have.
     fn checked_pinholes(&self) -> Result<Vec<SourceField>, Error> {
-        for (key, is_given) in
-            [("views", self.views.is_some()), ("group", self.group.is_some()), ("names", !self.names.is_empty())]
-        {
+        for (key, is_given) in [("views", self.views.is_some()), ("names", !self.names.is_empty())] {
             if is_given {
                 return Err(Error::BadRequest(format!("`{key}` is of light fields, and these are single images")));
             }

@@ -9,6 +9,20 @@ fn ok(outcome: Outcome) -> Outcome {
     outcome
 }
 
+fn json(bench: &Bench, name: &str) -> serde_json::Value {
+    serde_json::from_slice(&std::fs::read(bench.path(name)).unwrap()).unwrap()
+}
+
+/// The lines of `transforms.json` for cameras in a row.
+fn cameras_in_a_row(count: usize) -> String {
+    let frame = |k: usize| {
+        let x = 0.1 * k as f64;
+        format!(r#"{{"file_path":"images/v{k}.png","transform_matrix":[[1,0,0,{x}],[0,1,0,0],[0,0,1,2],[0,0,0,1]]}}"#)
+    };
+    let frames: Vec<String> = (0..count).map(frame).collect();
+    format!(r#"{{"fl_x":20,"w":16,"h":12,"frames":[{}]}}"#, frames.join(","))
+}
+
 /// A folder of 9 x 9 views of 16 x 12 px, and its codes.
 fn rendered(bench: &Bench) -> LightFieldOwned<u8> {
     ok(bench.run(&format!("render {SCENE} --out lf --views 9 --lenses 16x12 --disparity -1,1 --spp 1 --quiet")));
@@ -95,12 +109,7 @@ fn views_of_other_readers_have_their_names() {
 #[test]
 fn pinhole_cameras_are_exported_for_radiance_fields() {
     let bench = Bench::new();
-    let frame = |k: usize, x: f64| {
-        format!(r#"{{"file_path":"images/v{k}.png","transform_matrix":[[1,0,0,{x}],[0,1,0,0],[0,0,1,2],[0,0,0,1]]}}"#)
-    };
-    let frames: Vec<String> = (0..3).map(|k| frame(k, 0.1 * k as f64)).collect();
-    let text = format!(r#"{{"fl_x":20,"w":16,"h":12,"frames":[{}]}}"#, frames.join(","));
-    std::fs::write(bench.path("cameras.json"), text).unwrap();
+    std::fs::write(bench.path("cameras.json"), cameras_in_a_row(3)).unwrap();
     let line = format!("render {SCENE} --transforms cameras.json --transforms-up y --out posed --spp 1 --quiet");
     ok(bench.run(&line));
     // The render also wrote a mask of what each camera hits.
@@ -110,9 +119,7 @@ fn pinhole_cameras_are_exported_for_radiance_fields() {
         assert!(depth.indexed_iter().all(|((v, u), z)| (mask[[v, u, 0]] == 255) == z.is_finite()));
     }
     ok(bench.run("export posed --for nerf --out nerf"));
-    let json = |name: &str| -> serde_json::Value {
-        serde_json::from_slice(&std::fs::read(bench.path(name)).unwrap()).unwrap()
-    };
+    let json = |name: &str| json(&bench, name);
     let (train, test) = (json("nerf/transforms_train.json"), json("nerf/transforms_test.json"));
     let angle = train["camera_angle_x"].as_f64().unwrap();
     assert!(
@@ -148,6 +155,7 @@ fn pinhole_cameras_are_exported_for_radiance_fields() {
     assert_eq!((&list["frames"], &list["ply_file_path"]), (&own["frames"], &"points3d.ply".into()));
     for (arguments, code, words) in [
         ("export posed --for nerf --views 9 --out two", 2, "light fields"),
+        ("export posed --for nerf --group training --out two", 2, "hci, hci-toolkit, basiclfsr"),
         ("export cameras.json --for nerf --out two", 1, "cameras.json"),
     ] {
         let refused = bench.run(arguments);
@@ -165,9 +173,7 @@ fn views_are_exported_for_radiance_fields() {
     assert!(refused.code == Some(2) && refused.stderr.contains("focus-m inf"), "{refused:?}");
     assert!(!bench.path("nerf").exists());
     ok(bench.run("export lf --for nerfstudio --out studio"));
-    let json = |name: &str| -> serde_json::Value {
-        serde_json::from_slice(&std::fs::read(bench.path(name)).unwrap()).unwrap()
-    };
+    let json = |name: &str| json(&bench, name);
     let list = json("studio/transforms.json");
     let frames = list["frames"].as_array().unwrap();
     assert_eq!((frames.len(), &list["ply_file_path"]), (81, &"points3d.ply".into()));
@@ -208,6 +214,27 @@ fn views_are_exported_for_radiance_fields() {
     let (train, test) = (json("nerf/transforms_train.json"), json("nerf/transforms_test.json"));
     assert_eq!((train["frames"].as_array().unwrap().len(), test["frames"].as_array().unwrap().len()), (5, 1));
     assert_eq!(train["frames"][0]["file_path"], "./images/000_001");
+}
+
+/// Every pose of a folder is a light field, and a scene of an export.
+#[test]
+fn light_fields_of_several_poses_are_exported_by_their_names() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("cameras.json"), cameras_in_a_row(2)).unwrap();
+    ok(bench.run(&format!(
+        "render {SCENE} --transforms cameras.json --transforms-up y --views 3 --lenses 16x12 --disparity -1,1 --spp 1 --out poses \
+         --quiet"
+    )));
+    ok(bench.run("export poses --for npy --out npy"));
+    assert_eq!(bench.list("npy"), ["README.txt", "v0.npy", "v0_disparity.npy", "v1.npy", "v1_disparity.npy"]);
+    ok(bench.run("export poses/v1 --for npy --out one"));
+    let read = |name: &str| std::fs::read(bench.path(name)).unwrap();
+    assert_eq!(read("npy/v1.npy"), read("one/v1.npy"));
+    assert_ne!(read("npy/v1.npy"), read("npy/v0.npy"));
+    ok(bench.run("export poses --for nerfstudio --out studio"));
+    for pose in ["v0", "v1"] {
+        assert_eq!(json(&bench, &format!("studio/{pose}/transforms.json"))["frames"].as_array().unwrap().len(), 9);
+    }
 }
 
 /// The toolkit's truth of high resolution and masks, and truth of all views where it was rendered.
@@ -318,7 +345,7 @@ fn datasets_are_exported_whole_and_wrong_use_is_refused() {
         ("export set --for hci --views 9 --out out", 2, "has files already"),
         ("export set --for hci --views 2 --out two", 2, "9 x 9 views"),
         ("export set --for epinet --out two", 2, "jpeg-pleno"),
-        ("export set --for npy --views 9 --group ../up --out two", 2, "no name of a folder"),
+        ("export set --for basiclfsr --views 9 --group ../up --out two", 2, "no name of a folder"),
         ("export missing --for npy --out two", 1, "missing"),
     ] {
         let refused = bench.run(arguments);

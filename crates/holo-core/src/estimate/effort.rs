@@ -24,6 +24,8 @@ pub(super) struct Settings {
     /// The movement of the outermost view from plane to plane, in pixels.
     pub(super) step_px: f32,
     pub(super) refinements: usize,
+    /// The gate of a round, in gates of the round before: that of the last is a quarter of the first.
+    pub(super) next_gate: f32,
     /// Half the side of the square for plane fits, in pixels.
     pub(super) radius_px: usize,
 }
@@ -36,6 +38,7 @@ impl Effort {
             views_per_arm: Some(4),
             step_px: 0.5,
             refinements: 3,
+            next_gate: 0.5,
             radius_px: 7,
         };
         match self {
@@ -46,10 +49,18 @@ impl Effort {
                 step_px: 1.0,
                 refinements: 1,
                 radius_px: 3,
+                ..balanced
             },
-            Self::Fast => Settings { has_diagonals: false, step_px: 0.75, refinements: 2, radius_px: 5, ..balanced },
+            Self::Fast => Settings {
+                has_diagonals: false,
+                step_px: 0.75,
+                refinements: 2,
+                next_gate: 0.25,
+                radius_px: 5,
+                ..balanced
+            },
             Self::Balanced => balanced,
-            Self::Thorough => Settings { views_per_arm: None, refinements: 4, ..balanced },
+            Self::Thorough => Settings { views_per_arm: None, refinements: 4, next_gate: 0.63, ..balanced },
         }
     }
 }

@@ -1,5 +1,8 @@
 //! Edge-preserving smoothing: at every pixel a plane fit to the measurements around it that belong to the same surface.
 
+#[cfg(test)]
+mod naive;
+
 use crate::parallel::*;
 
 use super::measure::Measurements;
@@ -170,7 +173,8 @@ impl<'a> Neighbors<'a> {
         &self.found.image[channel * pixels..(channel + 1) * pixels]
     }
 }
-/// Pixels of a row, from `first` on, of which the first lanes are taken.
+
+/// Every `stride`-th pixel of a row from `first` on, `taken` of them: up to [`LANES`].
 #[derive(Clone, Copy)]
 struct Run {
     first: usize,
@@ -179,7 +183,7 @@ struct Run {
 }
 
 impl Run {
-    /// Their values; any in lanes that are not taken.
+    /// The values of these pixels. Lanes that are not taken hold values of other pixels, or 0.
     #[inline]
     fn of(self, values: &[f32]) -> Lanes {
         let Self { first, stride, taken } = self;
@@ -294,15 +298,7 @@ mod tests {
             [y, sum(&|x, y, _| x * y), sum(&|_, y, _| y * y) + ridge],
         ];
         let right = [d, sum(&|x, _, d| x * d), sum(&|_, y, d| y * d)];
-        let determinant = |m: [[f64; 3]; 3]| {
-            m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-                + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
-        };
-        let mut replaced = matrix;
-        for row in 0..3 {
-            replaced[row][0] = right[row];
-        }
-        determinant(replaced) / determinant(matrix)
+        naive::solved(&matrix, &right)[0]
     }
 
     #[test]

@@ -17,6 +17,8 @@ use crate::{Error, GridSize};
 const COLOR: f32 = 0.02;
 /// Half the side of the square of pixels, px.
 const RADIUS: usize = 8;
+/// The weight of a pixel of the same color: a whole number, for sums without rounding.
+const MOST_WEIGHT: f32 = 65_536.0;
 /// A jump: disparities within [`NEAR`] are more than this off the plane around a pixel, px.
 const JUMP_PX: f32 = 0.1;
 /// Half the side of the square that is searched for a jump, px.
@@ -73,30 +75,65 @@ impl Around<'_> {
         })
     }
 
-    fn median(&self, row: usize, column: usize, found: &mut Vec<(f32, f32)>) -> f32 {
+    fn median(&self, row: usize, column: usize, found: &mut Vec<(f32, u32)>) -> f32 {
         let (here, pixels, columns) = (row * self.size.columns + column, self.planes.len(), self.size.columns);
         let weight = |k: usize| {
             let squares: f32 =
                 self.image.chunks_exact(pixels).map(|channel| (channel[k] - channel[here]).powi(2)).sum();
-            1.0 / (1.0 + squares * self.per_square).powi(2)
+            (MOST_WEIGHT / (1.0 + squares * self.per_square).powi(2)) as u32
         };
         found.clear();
         let numbers = self.square(row, column, RADIUS).map(|(v, u)| v * columns + u);
         found.extend(numbers.map(|k| (self.planes[k].here, weight(k))));
-        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let half = 0.5 * found.iter().map(|(_, weight)| weight).sum::<f32>();
-        let mut sum = 0.0;
-        let at_half = found.iter().find(|(_, weight)| {
-            sum += weight;
-            sum >= half
-        });
-        at_half.map_or(self.planes[here].here, |(disparity_px, _)| *disparity_px)
+        weighted_median(found)
     }
+}
+
+/// The smallest value that has half of the weight up to it. Changes the order of the values, of which there is one at least.
+fn weighted_median(mut values: &mut [(f32, u32)]) -> f32 {
+    let weight_of = |values: &[(f32, u32)]| values.iter().map(|(_, weight)| weight).sum::<u32>();
+    let mut half = weight_of(values).div_ceil(2);
+    while values.len() > 1 {
+        let middle = values.len() / 2;
+        values.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0));
+        let (below, above) = values.split_at_mut(middle);
+        // Sums of integers are the same in any order.
+        let weight = weight_of(below);
+        values = if half <= weight {
+            below
+        } else {
+            half -= weight;
+            above
+        };
+    }
+    values[0].0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The selection agrees with sorting and adding.
+    #[test]
+    fn the_median_has_half_of_the_weight() {
+        let mut state = 9_u32;
+        let mut random = |below: u32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) % below
+        };
+        for count in [1, 2, 3, 10, 81, 289] {
+            for distinct in [1, 4, 1000] {
+                let mut values: Vec<(f32, u32)> = (0..count).map(|_| (random(distinct) as f32, random(5))).collect();
+                values[0].1 = 1;
+                let mut sorted = values.clone();
+                sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let total: u32 = sorted.iter().map(|value| value.1).sum();
+                let up_to = |k: usize| sorted[..=k].iter().map(|value| value.1).sum::<u32>();
+                let expected = (0..sorted.len()).find(|&k| 2 * up_to(k) >= total).unwrap();
+                assert_eq!(weighted_median(&mut values), sorted[expected].0, "{count} {distinct}");
+            }
+        }
+    }
 
     /// A foreground that is three pixels too wide gets the width of its color; a slope keeps every value.
     #[test]

@@ -50,6 +50,9 @@ fn a_range_gets_its_step_or_an_error_with_the_numbers() {
         "disparities from -400 to 400 px take 4801 planes at this effort, and at most 4096 are possible; narrow the \
          range or lower the effort"
     );
+    // With coarser levels too, whose ranges are halves of this one.
+    let large = views::test_views(128, 128, 1);
+    assert_eq!(solve(&large, &settings, -400.0, 400.0, 0).unwrap_err(), error);
     assert!(spread(&views, &Effort::Draft.settings(), -400.0, 400.0).is_ok());
     assert!(spread(&views, &settings, -1e6, 1e6).is_err());
 }

@@ -292,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn the_star_reaches_the_rim_and_takes_no_view_twice() {
+    fn stars_and_grids_reach_the_rim_and_take_no_view_twice() {
         for (rows, columns) in [(9, 9), (20, 20), (100, 100), (1, 9), (7, 1), (2, 2), (3, 40), (1, 2), (2, 1)] {
             for effort in [Effort::Draft, Effort::Fast, Effort::Balanced, Effort::Thorough] {
                 let views = chosen(rows, columns, effort);
@@ -308,6 +308,7 @@ mod tests {
             }
         }
         assert_eq!(chosen(9, 9, Effort::Balanced).len(), 32);
+        assert_eq!(chosen(9, 9, Effort::Thorough).len(), 80);
         assert_eq!(chosen(1, 1, Effort::Thorough), []);
         // Two columns: the central one is the right one, so the only other view is left of it.
         assert_eq!(chosen(1, 2, Effort::Balanced), [(0, 0, 4)]);

@@ -252,3 +252,20 @@ fn check_folders(jobs: &[DatasetJob]) -> Result<(), Error> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_of_scenes_have_names() {
+        let named = |names: &[&str]| {
+            let names: Vec<String> = names.iter().map(|name| (*name).into()).collect();
+            sources(Some(&names), &[]).map(|found| found.iter().map(SceneSource::name).collect::<Vec<_>>())
+        };
+        assert_eq!(named(&["stratified"]).unwrap(), gallery::STRATIFIED);
+        assert_eq!(named(&["stripes", "plaster"]).unwrap(), ["stripes", "plaster"]);
+        // Beside scenes it is the name of none.
+        assert!(named(&["stratified", "plaster"]).is_err());
+    }
+}

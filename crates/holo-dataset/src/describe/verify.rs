@@ -85,7 +85,7 @@ fn verify_all(root: &Path) -> Result<Verification, Error> {
 
 /// The folders of the poses and frames that a folder without a manifest should have, relative to it; none if it has
 /// neither.
-fn shots_of(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+pub(crate) fn shots_of(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let opened = Folder::open(folder)?;
     if opened.kind(TRANSFORMS)?.is_none() {
         return frames_in(folder);

@@ -29,6 +29,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "hci",
     help: "EPINET, LFattNet, SubFocal, OACC-Net, DistgDisp, LF2Disp: folders of the HCI benchmark",
     usage: "Readers take the folder that contains the group, `training` unless another was given, as their dataset.",
+    has_groups: true,
     writer: Writer::Fields { write: write_scene, check },
 };
 
@@ -37,6 +38,7 @@ pub(super) const TOOLKIT: ExportTarget = ExportTarget {
     help: "the evaluation toolkit of the HCI benchmark: truth of high resolution, masks of its scores",
     usage: "The toolkit takes `data` and `algo_results` in place of its own. A method writes disp_maps/SCENE.pfm and \
             runtimes/SCENE.txt, seconds.",
+    has_groups: true,
     writer: Writer::Fields { write: write_for_toolkit, check: super::unchecked },
 };
 

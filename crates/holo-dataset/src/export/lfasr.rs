@@ -14,6 +14,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "lfasr",
     help: "LFASR-geometry: HDF5 files for view synthesis, all light fields in one",
     usage: "train.py takes train.h5 as its dataset, test_pretrained.py takes test.h5.",
+    has_groups: false,
     writer: Writer::Joined(write),
 };
 

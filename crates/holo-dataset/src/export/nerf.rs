@@ -18,7 +18,7 @@ use ndarray::ArrayView2;
 use serde_json::{Value, json};
 
 use super::source::LoadedField;
-use super::{ExportTarget, PosedWriter, Writer};
+use super::{ExportTarget, Writer};
 use crate::Error;
 use crate::output::{OutputFolder, TRANSFORMS};
 
@@ -26,20 +26,16 @@ pub(super) const NERF: ExportTarget = ExportTarget {
     name: "nerf",
     help: "3D Gaussian splatting, instant-ngp, NeRF: transforms_train.json and transforms_test.json",
     usage: "Programs take this folder as their source (`train.py -s` of 3D Gaussian splatting).",
-    writer: Writer::Posed(PosedWriter {
-        of_folder: |out, input| write_folder(out, input, write_splits),
-        of_field: |out, inner, loaded| write_field(out, inner, loaded, write_splits),
-    }),
+    has_groups: false,
+    writer: Writer::Posed(CameraLists { check: check_splits, write: write_splits }),
 };
 
 pub(super) const NERFSTUDIO: ExportTarget = ExportTarget {
     name: "nerfstudio",
     help: "nerfstudio: transforms.json with intrinsics, and points",
     usage: "ns-train takes this folder as --data.",
-    writer: Writer::Posed(PosedWriter {
-        of_folder: |out, input| write_folder(out, input, write_list),
-        of_field: |out, inner, loaded| write_field(out, inner, loaded, write_list),
-    }),
+    has_groups: false,
+    writer: Writer::Posed(CameraLists { check: |_| Ok(()), write: write_list }),
 };
 
 const TRAIN: &str = "transforms_train.json";
@@ -59,7 +55,7 @@ const MIDDLE_PX: f64 = 1e-6;
 type ColoredPoint = ([f32; 3], [u8; 3]);
 
 /// A pinhole camera with its image.
-struct PosedCamera {
+pub(super) struct PosedCamera {
     /// The name of the image, without its ending.
     name: String,
     axes_and_position: [[f64; 3]; 4],
@@ -69,11 +65,17 @@ struct PosedCamera {
     size: GridSize,
 }
 
-/// Writes the lists of cameras into a folder of the export; the text names the points, if there are some.
-type WriteCameras = fn(&mut OutputFolder, &str, &[PosedCamera], bool) -> Result<(), Error>;
+/// The lists of cameras that a program reads.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CameraLists {
+    /// Refuses cameras that it cannot read.
+    check: fn(&[PosedCamera]) -> Result<(), Error>,
+    /// Writes the lists into a folder of the export, with `/` at its end, or `""`; the text names the points, if there are some.
+    write: fn(&mut OutputFolder, &str, &[PosedCamera], bool) -> Result<(), Error>,
+}
 
-/// Writes the images of a folder.
-fn write_folder(out: &mut OutputFolder, input: &Path, write_cameras: WriteCameras) -> Result<usize, Error> {
+/// Writes the images of a folder; returns their number.
+pub(super) fn write_folder(out: &mut OutputFolder, input: &Path, lists: CameraLists) -> Result<usize, Error> {
     let folder = Folder::open(input)?;
     // Numbers stay those of the file, whatever its axis is that points up.
     let array = CameraArray::read_in(&folder, TRANSFORMS, WorldUp::Y, None)?;
@@ -86,6 +88,7 @@ fn write_folder(out: &mut OutputFolder, input: &Path, write_cameras: WriteCamera
         let (axes_and_position, focal_px) = (camera.axes_and_position, camera.focal_px);
         cameras.push(PosedCamera { name: camera.name, axes_and_position, focal_px, center_px, size });
     }
+    (lists.check)(&cameras)?;
     out.subfolder("images")?;
     let stride = stride(cameras.iter().map(|camera| camera.size.count()).sum());
     let mut points = Vec::new();
@@ -107,15 +110,15 @@ fn write_folder(out: &mut OutputFolder, input: &Path, write_cameras: WriteCamera
         }
         out.add(name.clone(), holo_io::write_file(out.file(&name), &bytes)?);
     }
-    finish(out, "", &cameras, &points, write_cameras)
+    finish(out, "", &cameras, &points, lists)
 }
 
-/// Writes the views of a light field into a folder of the export, with `/` at its end, or `""`.
-fn write_field(
+/// Writes the views of a light field into a folder of the export, with `/` at its end, or `""`; returns their number.
+pub(super) fn write_field(
     out: &mut OutputFolder,
     inner: &str,
     loaded: &LoadedField,
-    write_cameras: WriteCameras,
+    lists: CameraLists,
 ) -> Result<usize, Error> {
     let views = loaded.field.shape().views();
     let Some(rig) = loaded.rig.filter(|rig| rig.projection() == Projection::Perspective) else {
@@ -124,6 +127,7 @@ fn write_field(
     };
     let cameras: Vec<PosedCamera> =
         (0..views.count()).map(|k| camera_of_view(&rig, k / views.columns, k % views.columns)).collect();
+    (lists.check)(&cameras)?;
     out.subfolder(&format!("{inner}images"))?;
     for (camera, (_, view)) in cameras.iter().zip(loaded.field.views()) {
         let name = format!("{inner}images/{}.png", camera.name);
@@ -136,11 +140,11 @@ fn write_field(
         points =
             cameras[t * views.columns + s].points(depth.view(), stride, |v, u| [0, 1, 2].map(|c| central[[v, u, c]]));
     }
-    finish(out, inner, &cameras, &points, write_cameras)
+    finish(out, inner, &cameras, &points, lists)
 }
 
-/// The camera of a view: it stands in the plane of the rig and looks along -Z, and its image is moved so that the focus plane
-/// stays where it is.
+/// The camera of a view. It stands in the plane of the rig and looks along -Z. Its principal point is where a point of the focus
+/// plane has the same pixel in every view.
 fn camera_of_view(rig: &Rig, t: usize, s: usize) -> PosedCamera {
     let (x, y, per_m) = (rig.view_x_m(s), rig.view_y_m(t), rig.inverse_focus_per_m());
     PosedCamera {
@@ -158,13 +162,13 @@ fn finish(
     inner: &str,
     cameras: &[PosedCamera],
     points: &[ColoredPoint],
-    write_cameras: WriteCameras,
+    lists: CameraLists,
 ) -> Result<usize, Error> {
     if !points.is_empty() {
         let name = format!("{inner}{POINTS}");
         out.add(name.clone(), holo_io::write_file(out.file(&name), &ply(points))?);
     }
-    write_cameras(out, inner, cameras, !points.is_empty())?;
+    (lists.write)(out, inner, cameras, !points.is_empty())?;
     Ok(cameras.len())
 }
 
@@ -232,8 +236,8 @@ fn ply(points: &[ColoredPoint]) -> Vec<u8> {
     out
 }
 
-/// The lists for training and for tests, with one angle of view for all, whose readers have the principal point in the middle.
-fn write_splits(out: &mut OutputFolder, inner: &str, cameras: &[PosedCamera], _: bool) -> Result<(), Error> {
+/// Refuses cameras of several kinds, and principal points outside the middle: the readers know one angle of view for all.
+fn check_splits(cameras: &[PosedCamera]) -> Result<(), Error> {
     let bad = |what: &str| Err(Error::BadRequest(what.into()));
     let Some((first, others)) = cameras.split_first().filter(|(_, others)| !others.is_empty()) else {
         return bad("one image is for training and one for tests; render two cameras or more");
@@ -248,6 +252,12 @@ fn write_splits(out: &mut OutputFolder, inner: &str, cameras: &[PosedCamera], _:
              `focus-m` inf, or export for nerfstudio",
         );
     }
+    Ok(())
+}
+
+/// The lists for training and for tests, with one angle of view for all.
+fn write_splits(out: &mut OutputFolder, inner: &str, cameras: &[PosedCamera], _: bool) -> Result<(), Error> {
+    let first = &cameras[0];
     let angle = 2.0 * (first.size.columns as f64 / (2.0 * first.focal_px)).atan();
     for (name, is_test) in [(TRAIN, false), (TEST, true)] {
         let of_split = cameras.iter().enumerate().filter(|(k, _)| k.is_multiple_of(TEST_EVERY) == is_test);

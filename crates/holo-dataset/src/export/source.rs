@@ -10,7 +10,7 @@ use holo_render::exposure;
 use ndarray::Array2;
 
 use crate::Error;
-use crate::describe::is_dataset;
+use crate::describe::{is_dataset, shots_of};
 use crate::score::{RegionMask, read_mask, region_masks};
 
 /// A light field that is not read yet.
@@ -39,9 +39,15 @@ pub(super) struct LoadedField {
     path: PathBuf,
 }
 
-/// The light fields of a dataset with these views, or that of a folder or file.
+/// The light fields of a dataset with these views, those of the poses and frames of a folder, or that of a folder or file.
 pub(super) fn sources(input: &Path, views: Option<GridSize>) -> Result<Vec<SourceField>, Error> {
     if !is_dataset(input) {
+        let shots = if input.is_dir() && !input.join(MANIFEST_JSON).is_file() { shots_of(input)? } else { Vec::new() };
+        if shots.iter().any(|shot| input.join(shot).is_dir()) {
+            let parts = |shot: &Path| shot.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("_");
+            let field = |shot: PathBuf| SourceField { name: plain(&parts(&shot)), path: input.join(shot) };
+            return Ok(shots.into_iter().map(field).collect());
+        }
         let path = std::path::absolute(input).unwrap_or_else(|_| input.to_owned());
         let stem = if path.is_dir() { path.file_name() } else { path.file_stem() };
         let name = stem.map_or_else(|| "scene".into(), |name| name.to_string_lossy().into_owned());
@@ -86,6 +92,11 @@ pub(super) fn sources(input: &Path, views: Option<GridSize>) -> Result<Vec<Sourc
 }
 
 impl SourceField {
+    /// The name of its scene.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// Reads the samples and the truth.
     /// `number` is its place among all light fields of an export.
     pub fn load(&self, number: usize) -> Result<LoadedField, Error> {

@@ -18,6 +18,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "urbanlf",
     help: "readers of UrbanLF-Syn: folders Image1 on, without labels of classes",
     usage: "Readers take the folder `UrbanLF_Syn`; Image1 is the first scene.",
+    has_groups: false,
     writer: Writer::Fields { write, check },
 };
 

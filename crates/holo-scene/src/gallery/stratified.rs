@@ -20,7 +20,7 @@ const EYE: f64 = 0.6;
 /// Half the side of what a square view sees of the background, m.
 const SEEN: f64 = 0.36 * (EYE - BACK);
 
-/// Spikes before a background: peaks become thinner from left to right, and the step of disparity grows downward.
+/// Spikes before a background: they become narrower from left to right, and the step of disparity grows downward.
 ///
 /// **Purpose**: fine structures, occlusions and steps of disparity. **Difficulty**: towards their peaks, spikes are thinner
 /// than a pixel.
@@ -49,7 +49,7 @@ pub(super) fn backgammon() -> Scene {
     seen(studio)
 }
 
-/// Dots of many sizes in nine boxes, of which each has half of the light of the one before.
+/// Dots of nine sizes in each of nine boxes. Every box reflects 0.6 of the light of the box before.
 ///
 /// **Purpose**: small objects in noise. **Difficulty**: the smallest dots are a pixel wide, and in the darkest boxes the
 /// noise of a sensor is larger than their contrast.
@@ -69,7 +69,7 @@ pub(super) fn dots() -> Scene {
         let shade = 0.45 * shade as f32;
         let paint = studio.material("dot", diffuse([shade, 0.8 * shade, 1.3 * shade]));
         for k in 0..9 {
-            // From 20 px to 0.9 in views of 512.
+            // Diameters from 23 px to 1 px in views of 512.
             let radius = 0.0112 * 0.68_f64.powi(k);
             let (x, y) = (left + side * (f64::from(k % 3) + 0.5) / 3.0, above - side * (f64::from(k / 3) + 0.5) / 3.0);
             // Nearer things seem farther from the middle.
