@@ -9,6 +9,7 @@ changed: their code runs from where it is, in Python of today, and what it impor
     lightfield-analysis/evaluation-toolkit      `hci-toolkit`: truth, masks, and the scores of `holo eval`
     ZhengyuLiang24/BasicLFSR                    its patches of `basiclfsr`
     jingjin25/LFASR-geometry                    `lfasr`
+    nerfstudio-project/nerfstudio               `nerfstudio`, with torch
     italoplk/Light-Field-Codec                  `jpeg-pleno`, by its reader in C++
 """
 import argparse
@@ -74,7 +75,7 @@ class Bench:
         return done.stdout
 
     def export(self, target, source="small", extra=""):
-        out = f"{target}_{source}"
+        out = f"{target}_{source.replace('/', '_')}"
         self.run(f"export {source} --for {target} --out {out} {extra}")
         return self.folder / out
 
@@ -217,7 +218,41 @@ def toolkit(repository, bench):
             print(f"    {name:8} {metric.get_id():32} toolkit {theirs:.9f}, holo {own:.9f}")
             assert off < 1e-6, f"{name}: {metric.get_id()} is {own}, and {theirs} by the toolkit"
             worst, count = max(worst, off), count + 1
+    for off in stratified(metrics, scenes, files, bench):
+        worst, count = max(worst, off), count + 1
     return f"truth and views are equal; {count} scores agree within {worst:.1e}"
+
+
+def stratified(metrics, scenes, files, bench):
+    """The scores of the four stratified scenes, with the truth of the views: what they differ by."""
+    bench.run("dataset --out four --scenes stratified --preset hci --write el,disparity,depth,masks,hci-highres "
+              "--spp 1 --integrator direct --denoise off --quiet")
+    out = bench.export("hci-toolkit", "four", "--group stratified")
+    known = {
+        "backgammon": (scenes.Backgammon, [(metrics.BackgammonFattening, "spikes_fattening_percent"),
+                                           (metrics.BackgammonThinning, "spikes_thinning_percent")]),
+        "dots": (scenes.Dots, [(metrics.DotsBackgroundMSE, "boxes_mean_squared_error_x100"),
+                               (metrics.MissedDots, "missed_dots_percent")]),
+        "pyramids": (scenes.Pyramids, [(metrics.PyramidsSlantedBumpiness, "relief_bumpiness"),
+                                       (metrics.PyramidsParallelBumpiness, "base_bumpiness")]),
+        "stripes": (scenes.Stripes, [(metrics.StripesLowTexture, "textureless_bad_pixels_0.07_percent"),
+                                     (metrics.DarkStripes, "dark_stripes_bad_pixels_0.07_percent"),
+                                     (metrics.BrightStripes, "bright_stripes_bad_pixels_0.07_percent")]),
+    }
+    for name, (kind, pairs) in known.items():
+        folder = f"four/{name}/{VIEWS}x{VIEWS}"
+        bench.run(f"depth {folder} --out {name}_estimate.pfm --effort fast --quiet")
+        own = json.loads(bench.run(f"eval {name}_estimate.pfm {folder}/scene_disparity.pfm --mask none --json"))
+        scene = kind(data_path=str(out / "data"))
+        scene.set_low_gt_scale()
+        result = files.read_file(str(bench.folder / f"{name}_estimate.pfm")).astype(float)
+        for metric, key in pairs:
+            metric = metric()
+            theirs = float(metric.get_score(result, scene.get_gt().astype(float), scene))
+            off = abs(theirs - own[key]) / max(abs(theirs), 1.0)
+            print(f"    {name:10} {metric.get_id():32} toolkit {theirs:.9f}, holo {own[key]:.9f}")
+            assert off < 1e-6, f"{name}: {metric.get_id()} is {own[key]}, and {theirs} by the toolkit"
+            yield off
 
 
 def luma(rgb):
@@ -303,11 +338,55 @@ def codec(repository, bench):
     return "red of all views is equal"
 
 
+def nerfstudio(repository, bench):
+    try:
+        import torch  # noqa: F401
+    except ImportError:
+        return "not run: needs torch"
+    # What the parser of folders imports beside it, and does not need here.
+    without("cv2", "jaxtyping", "rich", "rich.console", "rich.progress", "rich.text", "torch.utils.tensorboard", "tyro", "tyro.conf",
+            "viser", "viser.transforms")
+    sys.path.insert(0, str(repository))
+    parser = importlib.import_module("nerfstudio.data.dataparsers.nerfstudio_dataparser")
+    out = bench.export("nerfstudio", f"small/plaster/{VIEWS}x{VIEWS}")
+    settings = dict(orientation_method="none", center_method="none", auto_scale_poses=False, eval_mode="all")
+    with contextlib.redirect_stdout(io.StringIO()):
+        read = parser.NerfstudioDataParserConfig(data=out, **settings).setup().get_dataparser_outputs("train")
+    field, disparity = bench.views("plaster")
+    cameras, names = read.cameras, [path.stem for path in read.image_filenames]
+    assert len(names) == VIEWS * VIEWS, f"{len(names)} images"
+    for name, path in zip(names, read.image_filenames):
+        t, s = map(int, name.split("_"))
+        assert np.array_equal(imageio.imread(path), field[t, s]), f"{name} differs"
+    # Points at the depths of the central view must move by their disparity from view to view.
+    poses = cameras.camera_to_worlds.numpy().astype(float)
+    focal, center = [np.stack([pair[0].numpy(), pair[1].numpy()], -1)[:, 0].astype(float)
+                     for pair in [(cameras.fx, cameras.fy), (cameras.cx, cameras.cy)]]
+    middle = names.index(f"{VIEWS // 2:03}_{VIEWS // 2:03}")
+    rows, columns = disparity.shape
+    with open(bench.folder / f"small/plaster/{VIEWS}x{VIEWS}/scene_depth.pfm", "rb") as file:
+        file.readline(), file.readline(), file.readline()
+        depth = np.flipud(np.frombuffer(file.read(), "<f4").reshape(rows, columns)).astype(float)
+    u, v = np.meshgrid(np.arange(columns) + 0.5, np.arange(rows) + 0.5)
+    away = np.stack([(u - center[middle, 0]) / focal[middle, 0], -(v - center[middle, 1]) / focal[middle, 1], -np.ones_like(u)])
+    world = np.einsum("ij,jvu->ivu", poses[middle][:, :3], away * depth) + poses[middle][:, 3, None, None]
+    worst = 0.0
+    for k, name in enumerate(names):
+        t, s = map(int, name.split("_"))
+        x, y, z = np.einsum("ji,jvu->ivu", poses[k][:, :3], world - poses[k][:, 3, None, None])
+        moved = np.stack([center[k, 0] - focal[k, 0] * x / z - u, center[k, 1] + focal[k, 1] * y / z - v])
+        steps = np.array([s, t])[:, None, None] - VIEWS // 2
+        worst = max(worst, np.nanmax(np.abs(moved + steps * disparity)[:, np.isfinite(depth)]))
+    assert worst < 1e-3, f"points are off by {worst} px"
+    return f"{len(names)} images are equal, and points of the central view fall where disparity has them, within {worst:.1e} px"
+
+
 CONSUMERS = {
     "EPINET": ("epinet_fun/util.py", epinet),
     "HCI evaluation toolkit": ("source/toolkit/metrics/region_metrics.py", toolkit),
     "BasicLFSR": ("Generate_Data_for_Training.py", basiclfsr),
     "LFASR-geometry": ("LFData/PrepareData_train_HCI.m", lfasr),
+    "nerfstudio": ("nerfstudio/data/dataparsers/nerfstudio_dataparser.py", nerfstudio),
     "Light-Field-Codec (JPEG Pleno)": ("src/LightField.cpp", codec),
 }
 

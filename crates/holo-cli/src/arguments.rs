@@ -32,7 +32,7 @@ use headings::{CAMERA, FILES, QUALITY, RUNNING};
 pub use array::{ArrayOptions, SurfaceArgument};
 pub use camera::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
 pub use choices::DemosaicArgument;
-pub use dataset::DatasetOptions;
+pub use dataset::{CollectionOptions, DatasetOptions, GenerateOptions};
 pub use develop::{DemosaicOptions, DevelopOptions};
 pub use export::ExportOptions;
 pub use images::{AnimateOptions, ComposeOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions};
@@ -67,6 +67,9 @@ pub enum Command {
     /// Render a dataset: built-in scenes and your own, each with several numbers of views or plenoptic cameras. Resumes where
     /// it was stopped.
     Dataset(Box<DatasetOptions>),
+    /// Draw scenes from a recipe, and render them: training sets of any size. Resumes where it was stopped.
+    #[command(after_long_help = GENERATE_EXAMPLES)]
+    Generate(Box<GenerateOptions>),
     /// Merge the parts that `holo render --shard` wrote.
     Merge(MergeOptions),
     /// Describe a file or folder; for a scene also the cameras and the disparity range that a render would get.
@@ -277,6 +280,13 @@ Examples:
   holo render scene.glb --out near --eye 0,1,2 --target 0,0.5,0 --views 9 --lenses 512x512 --disparity=-1.5,1.5
   holo render scene.glb --out lytro --camera-file lytro-illum           # the raw image of a plenoptic camera
   holo render scene.glb --out film --views 9 --lenses 512x512 --frame 0-47";
+
+const GENERATE_EXAMPLES: &str = "\
+Examples:
+  holo generate --count 1000 --seed 1 --recipe hci-like --preset clean --out set     # 9 x 9 views of 192 x 192 px, with truth
+  holo generate --count 1000 --seed 1 --recipe hci-like --preset clean --out set --shard 2/4
+  holo generate --count 20 --out large --lenses 512x512
+  holo generate --count 100 --out own --recipe own.toml                              # a recipe with models of one's own";
 
 /// The long help of `--preset`: every preset with its settings.
 fn preset_help() -> String {

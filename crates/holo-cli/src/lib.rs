@@ -40,6 +40,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
     let result = match arguments.command {
         Command::Render(options) => commands::render::run(&options),
         Command::Dataset(options) => commands::dataset::run(*options, &words),
+        Command::Generate(options) => commands::dataset::generate(*options, &words),
         Command::Merge(options) => commands::merge::run(&options),
         Command::Info(options) => commands::info::run(&options),
         Command::Remap(options) => commands::remap::run(&options),

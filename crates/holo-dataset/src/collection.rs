@@ -4,8 +4,10 @@
 
 mod cameras;
 mod plan;
+mod properties;
 mod summary;
 
 pub use self::cameras::DatasetCameras;
-pub use self::plan::{DatasetJob, DatasetPlan, DatasetRun, sources};
+pub use self::plan::{DatasetJob, DatasetPlan, DatasetRun, drawn, sources};
+pub use self::properties::SetProperties;
 pub use self::summary::{DatasetSummary, JobSummary};

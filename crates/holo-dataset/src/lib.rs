@@ -46,7 +46,9 @@ pub use camera::{
     QuantityValue, Surface, TargetJob, camera_optics, planned_rig, read_poses, rig_optics, write_demosaiced,
     write_white_images,
 };
-pub use collection::{DatasetCameras, DatasetJob, DatasetPlan, DatasetRun, DatasetSummary, JobSummary, sources};
+pub use collection::{
+    DatasetCameras, DatasetJob, DatasetPlan, DatasetRun, DatasetSummary, JobSummary, SetProperties, drawn, sources,
+};
 pub use describe::{Archive, Described, Verification, WebDataset, finished, is_dataset, verify, write_catalog};
 pub use error::Error;
 pub use export::{EXPORT_TARGETS, ExportJob, ExportTarget, Exported};
@@ -59,7 +61,7 @@ pub use settings::{
     adjusted_camera,
 };
 pub use shot::{
-    CameraReport, Event, Prepared, RenderJob, RenderReport, RenderWarning, Rendering, RunOptions, SceneSource, Seconds,
-    Shot, ShotOutcome, Stage, camera_warnings,
+    CameraReport, Drawing, Event, Prepared, RenderJob, RenderReport, RenderWarning, Rendering, RunOptions, SceneSource,
+    Seconds, Shot, ShotOutcome, Stage, camera_warnings,
 };
 pub use watch::{About, Deduplicated, Diagnostics};

@@ -24,6 +24,7 @@ pub(crate) use self::files::{Exposed, Finished, Traced, TracedCamera, TracedView
 pub(crate) use self::folder::{CHECKPOINT, CHECKPOINT_MAGIC, checkpoints, existing, inner_name, remove_checkpoints};
 pub use self::folder::{OutputFolder, Rollback};
 pub(crate) use self::images::HIGHRES_SCALE;
+pub(crate) use self::masks::OBJECTS_PNG;
 pub(crate) use self::memory::is_room;
 pub use self::statistics::{ColorStatistics, EstimatedError, Statistics};
 pub(crate) use self::wanted::Wanted;

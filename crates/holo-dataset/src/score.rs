@@ -7,13 +7,17 @@
 //! | curved surfaces | `smooth` | `mask_smooth_surfaces` | the same |
 //! | fine structures | `fine` | `mask_fine` | thinning |
 //! | what surrounds them | `fine_surrounding` | `mask_fine_surrounding` | fattening |
-//! | occluded, textureless, reflective | the name | - | BadPix(0.07) |
+//! | occluded, textureless, reflective, slanted, repetitive | the name | - | BadPix(0.07) |
+//!
+//! The regions of the four stratified scenes are in `score/stratified.rs`.
 //!
 //! # Source
 //! The scores and their regions are those of the HCI benchmark and its evaluation toolkit (Honauer et al., ACCV 2016). The
 //! toolkit measures discontinuities and fine structures in the high-resolution truth, others in that of the views.
 //!
 //! **May import:** camera.
+
+mod stratified;
 
 use std::path::Path;
 
@@ -25,14 +29,25 @@ use holo_core::{Error as CoreError, GridSize, Rig, Sample, for_each_sample};
 use holo_io::Limits;
 use ndarray::{Array2, ArrayView2, Axis};
 
+pub(crate) use self::stratified::Objects;
 use crate::Error;
 use crate::camera::{NamedQuantity, QuantityValue};
 
 /// The threshold of BadPix in regions, at which the best constant and plane are found too: the benchmark's widest.
 const WIDEST_PX: f64 = BAD_PIXEL_THRESHOLDS_PX[2];
 
+/// A dot is missed if this percentage of its pixels is off by more than that, px: `MissedDots` of the toolkit.
+const DOT_PERCENT: f64 = 50.0;
+const DOT_THRESHOLD_PX: f64 = 0.4;
+
+/// The columns of `backgammon` that see the foreground alone, from the left, and the background alone, from the right, of
+/// 512: those of the toolkit.
+const SPIKES_FRONT: usize = 14;
+const SPIKES_BACK: usize = 10;
+const SPIKES_SIDE: usize = 512;
+
 /// The regions with the names of their masks in the HCI benchmark.
-const REGIONS: [(&str, Option<&str>); 8] = [
+const REGIONS: [(&str, Option<&str>); 10] = [
     ("discontinuity", Some("mask_discontinuities")),
     ("plane", Some("mask_planes")),
     ("smooth", Some("mask_smooth_surfaces")),
@@ -41,6 +56,8 @@ const REGIONS: [(&str, Option<&str>); 8] = [
     ("occluded", None),
     ("textureless", None),
     ("reflective", None),
+    ("slanted", None),
+    ("repetitive", None),
 ];
 
 /// A region of the pixels by its name.
@@ -192,12 +209,54 @@ impl Maps<'_> {
                 let value = fattening_percent(estimate, truth, FINE_THRESHOLD_PX, region)?;
                 rows.push(number("fine_fattening_percent", "fattening of fine structures (0.15)", value, "%"));
             }
+            "relief" | "base" => {
+                let value = bumpiness(estimate, truth, region)?.value;
+                rows.push(number(&format!("{name}_bumpiness"), &format!("bumpiness{title}"), value, ""));
+            }
+            "spikes" => {
+                let middle = self.middle(|columns| columns - 1 - SPIKES_BACK * columns / SPIKES_SIDE);
+                let value = thinning_percent(estimate, &middle, 0.0, region)?;
+                rows.push(number("spikes_thinning_percent", "thinning of spikes", value, "%"));
+            }
+            "between_spikes" => {
+                let middle = self.middle(|columns| SPIKES_FRONT * columns / SPIKES_SIDE);
+                let value = fattening_percent(estimate, &middle, 0.0, region)?;
+                rows.push(number("spikes_fattening_percent", "fattening of spikes", value, "%"));
+            }
+            "boxes" => {
+                let value = disparity_scores(estimate, truth, region)?.mean_squared_error_x100;
+                rows.push(number("boxes_mean_squared_error_x100", "MSE x 100, boxes", value, "px^2"));
+            }
+            "dots" => rows.push(number("missed_dots_percent", "missed dots", self.missed(region)?, "%")),
             _ => {
                 let key = format!("{name}_bad_pixels_{WIDEST_PX}_percent");
                 rows.push(number(&key, &format!("BadPix({WIDEST_PX}){title}"), bad, "%"));
             }
         }
         Ok(rows)
+    }
+
+    /// The middle between the truth and that of a column, which is all foreground or all background, in the same row.
+    fn middle(&self, column: impl Fn(usize) -> usize) -> Array2<f64> {
+        let column = column(self.truth.ncols());
+        let of = |place: [usize; 2]| f64::from(self.truth[place]);
+        Array2::from_shape_fn(self.truth.dim(), |(v, u)| 0.5 * (of([v, column]) + of([v, u])))
+    }
+
+    /// The percentage of dots, the connected parts of a region, of which half of the pixels or more are far off.
+    fn missed(&self, region: &Region) -> Result<f64, CoreError> {
+        let Some(mask) = region.mask else { return Ok(f64::NAN) };
+        let dots = connected(mask);
+        let mut missed = 0;
+        for dot in &dots {
+            let mut own = Array2::from_elem(mask.dim(), false);
+            dot.iter().for_each(|&place| own[place] = true);
+            // Those beyond the border have no pixel.
+            let whole = Region { border_px: 0, mask: Some(own.view()) };
+            let bad = bad_pixels_percent(&self.estimate, &self.truth, DOT_THRESHOLD_PX, &whole)?;
+            missed += usize::from(bad >= DOT_PERCENT);
+        }
+        Ok(100.0 * missed as f64 / dots.len() as f64)
     }
 
     /// Median angles between normals, if there is a rig. The benchmark abbreviates them as MAE, which means another measure
@@ -215,6 +274,31 @@ impl Maps<'_> {
         };
         wanted.map(angle).collect()
     }
+}
+
+/// The connected parts of a mask: pixels with common sides.
+fn connected(mask: ArrayView2<bool>) -> Vec<Vec<[usize; 2]>> {
+    let mut left = mask.to_owned();
+    let mut parts = Vec::new();
+    for ((v, u), _) in mask.indexed_iter() {
+        if !left[[v, u]] {
+            continue;
+        }
+        left[[v, u]] = false;
+        let (mut part, mut done) = (vec![[v, u]], 0);
+        while let Some(&[v, u]) = part.get(done) {
+            done += 1;
+            let neighbors = [[v.wrapping_sub(1), u], [v + 1, u], [v, u.wrapping_sub(1)], [v, u + 1]];
+            for place in neighbors {
+                if left.get(place).is_some_and(|is_in| *is_in) {
+                    left[place] = false;
+                    part.push(place);
+                }
+            }
+        }
+        parts.push(part);
+    }
+    parts
 }
 
 fn number(key: &str, name: &str, value: f64, unit: &'static str) -> NamedQuantity {
@@ -264,6 +348,9 @@ pub fn region_masks(map: &Path, (rows, columns): (usize, usize)) -> Result<Vec<R
                 break;
             }
         }
+    }
+    if let Some(objects) = Objects::read(map, (rows, columns))? {
+        out.extend(objects.regions());
     }
     Ok(out)
 }
@@ -343,5 +430,44 @@ mod tests {
         assert_eq!(value(&rows, "mean_squared_error_x100"), Some(0.0));
         let other = Array2::zeros((9, 6));
         assert!(MapScoring::with_border(0).scores(map.view(), other.view()).is_err());
+    }
+
+    /// Spikes at 1 px before a background at 0, which an estimate sees at other places; of 512 columns.
+    #[test]
+    fn spikes_are_nearer_to_one_side() {
+        let (spike, side) = (100..110, 512);
+        let truth =
+            Array2::from_shape_fn((20, side), |(_, u)| if u < 50 || spike.contains(&u) { 1.0_f32 } else { 0.0 });
+        // Half of the spike is lost; beside it are two columns that are too near, and one that is not near enough.
+        let mut estimate = truth.clone();
+        estimate.columns_mut().into_iter().enumerate().for_each(|(u, mut column)| match u {
+            100..105 => column.fill(0.49),
+            110..112 => column.fill(0.51),
+            112 => column.fill(0.5),
+            _ => {}
+        });
+        let columns = |range: std::ops::Range<usize>| Array2::from_shape_fn((20, side), |(_, u)| range.contains(&u));
+        let regions = [("spikes".to_owned(), columns(spike)), ("between_spikes".to_owned(), columns(110..120))];
+        let rows = MapScoring::with_border(2).regions(&regions).scores(estimate.view(), truth.view()).unwrap();
+        assert_eq!(value(&rows, "spikes_thinning_percent"), Some(50.0));
+        assert_eq!(value(&rows, "spikes_fattening_percent"), Some(20.0));
+    }
+
+    #[test]
+    fn dots_are_found_or_missed() {
+        let mask = Array2::from_shape_fn((12, 30), |(v, u)| (4..6).contains(&v) && u % 10 < 2);
+        let truth = Array2::<f32>::zeros((12, 30));
+        // One of three is off at half of its pixels, one at a single pixel, and one by little.
+        let estimate = Array2::from_shape_fn((12, 30), |(v, u)| match (v, u) {
+            (4, 0 | 1) | (5, 10) => 0.5,
+            (_, 20..) => 0.3,
+            _ => 0.0,
+        });
+        let regions = [("dots".to_owned(), mask.clone()), ("boxes".to_owned(), !&mask)];
+        let rows = MapScoring::default().regions(&regions).scores(estimate.view(), truth.view()).unwrap();
+        assert_eq!(value(&rows, "missed_dots_percent"), Some(100.0 / 3.0));
+        let squares = 100.0 * f64::from(0.3_f32).powi(2) * f64::from(12 * 10 - 4) / f64::from(12 * 30 - 12);
+        let found = value(&rows, "boxes_mean_squared_error_x100").unwrap();
+        assert!((found - squares).abs() < 1e-12, "{found} {squares}");
     }
 }

@@ -7,12 +7,14 @@
 //! **May import:** settings, output, resume.
 
 mod choices;
+mod drawn;
 mod engine;
 mod ground;
 mod identity;
 mod job;
 mod library;
 mod look;
+mod memory;
 mod motion;
 mod pinholes;
 mod prepare;
@@ -31,5 +33,5 @@ pub use self::prepare::{Prepared, Stage};
 pub(crate) use self::prepare::{half_view, pose_of_scene, shifted};
 pub use self::report::{CameraReport, RenderReport, Seconds};
 pub(crate) use self::runner::Runner;
-pub use self::source::SceneSource;
+pub use self::source::{Drawing, SceneSource};
 pub use self::warning::{RenderWarning, camera_warnings};

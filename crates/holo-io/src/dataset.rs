@@ -24,7 +24,7 @@ use crate::names::stays_inside;
 pub use camera::DatasetCamera;
 #[cfg(feature = "png")]
 pub use folder::DatasetFolder;
-pub use index::{DatasetIndex, DatasetPoses, SceneEntry};
+pub use index::{DatasetIndex, DatasetPoses, DatasetRecipe, SceneEntry};
 pub use list::{DatasetEntry, list};
 #[cfg(all(feature = "png", feature = "camera"))]
 pub use plenoptic::PlenopticFolder;

@@ -43,6 +43,7 @@ pub fn gallery_names() -> Vec<&'static str> {
 pub fn gallery_glb(py: Python<'_>, name: String) -> Result<Vec<u8>, Failure> {
     match py.detach(|| SceneSource::gallery(&name))? {
         SceneSource::Gallery(_, glb) | SceneSource::Memory(_, glb) => Ok(glb.to_vec()),
+        SceneSource::Recipe(drawing) => Err(Failure::Failed(format!("{} is drawn", drawing.recipe().name()))),
         SceneSource::File(path) => Err(Failure::Failed(format!("{} is a file", path.display()))),
     }
 }

@@ -97,3 +97,21 @@ def test_the_manifest_names_the_preset(scene, tmp_path):
     holo.render_to(tmp_path / "out", scene, preset="draft", views=2, lenses=(8, 12))
     settings = json.loads((tmp_path / "out" / "manifest.json").read_text())["settings"]
     assert settings["preset"] == {"draft": {"spp": "1/16", "denoise": "views"}}
+
+
+def test_scenes_of_a_recipe_are_the_same_wherever_they_are_drawn(tmp_path):
+    options = dict(recipe="hci-like", views=[3], lenses=(16, 12), spp=1, integrator="direct", seed=3)
+    with ProcessPoolExecutor(2) as pool:
+        parts = holo.Dataset.generate(tmp_path / "parts", count=3, executor=pool, threads=1, **options)
+    assert [job.scene for job in parts] == ["000000", "000001", "000002"]
+    alone = holo.Dataset.generate(tmp_path / "alone", count=2, **options)
+    for job, other in zip(alone, parts):
+        np.testing.assert_array_equal(job.light_field.array, other.light_field.array)
+        assert job.manifest["files"] == other.manifest["files"]
+        assert "objects" not in job.masks and job.masks["valid"].shape == job.objects.shape
+        assert job.objects.max() <= len(job.manifest["settings"]["objects"])
+    # More scenes of the same set.
+    more = holo.Dataset.generate(tmp_path / "alone", count=3, **options)
+    assert len(more) == 3 and more[2].manifest["files"] == parts[2].manifest["files"]
+    with pytest.raises(holo.UsageError, match="hci-like"):
+        holo.Dataset.generate(tmp_path / "bad", count=1, recipe="hci")

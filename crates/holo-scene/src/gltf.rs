@@ -126,6 +126,13 @@ pub struct Loaded {
     pub summary: Summary,
 }
 
+impl From<Scene> for Loaded {
+    /// A scene that was not read from a file.
+    fn from(scene: Scene) -> Self {
+        Self { scene, warnings: Vec::new(), summary: Summary::default() }
+    }
+}
+
 /// Limits of the size of a file. All are checked before memory is allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {

@@ -1,7 +1,8 @@
 //! Scene descriptions for renderers: meshes, materials, textures, lights and cameras.
 //!
 //! A [`Scene`] is plain data in world coordinates (right-handed, +Y up, meters). It can be built in code, loaded from
-//! glTF ([`gltf`]), or taken from the gallery of sixteen scenes (module `gallery`, behind the feature of that name).
+//! glTF ([`gltf`]), taken from the gallery of sixteen scenes (module `gallery`, behind the feature of that name), or drawn from a recipe
+//! (module `recipe`, behind the same).
 //! [`Scene::validate`] checks a whole scene at once, so that an index out of range or a NaN vertex is an error and
 //! never a panic. [`gltf::to_glb`] writes a scene as binary glTF, [`gltf::to_glb_animated`] with movements ([`animation`]).
 //!
@@ -39,10 +40,10 @@
 #![forbid(unsafe_code)]
 
 pub mod animation;
-#[cfg(feature = "gallery")]
-pub mod gallery;
 pub mod gltf;
 
+#[cfg(feature = "gallery")]
+mod built;
 mod coincident;
 mod environment;
 mod error;
@@ -53,6 +54,8 @@ mod tangents;
 mod transform;
 mod validate;
 
+#[cfg(feature = "gallery")]
+pub use built::{gallery, recipe};
 pub use error::Error;
 pub use material::{
     Alpha, Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Material, NormalMap, Sheen, TextureInfo,

@@ -1,7 +1,7 @@
 //! Options from a TOML file: the long names of the command line, which wins where both say something.
 
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
@@ -9,7 +9,6 @@ use holo_dataset::settings::Given;
 use holo_io::CameraFile;
 use toml::Value;
 
-use super::DatasetOptions;
 use crate::failure::Failure;
 
 /// A file of options is at most this long.
@@ -22,11 +21,15 @@ const PATHS: [&str; 3] = ["out", "glb", "transforms"];
 const CAMERA_FILE: &str = "camera-file";
 
 /// Adds what the file of `--config` says, if there is one.
-pub fn complete(options: DatasetOptions, said: &ArgMatches) -> Result<DatasetOptions, Failure> {
-    let Some(path) = &options.config else { return Ok(options) };
-    let text = read_text(path)?;
+pub fn complete<T: Args + FromArgMatches>(
+    options: T,
+    config: Option<PathBuf>,
+    said: &ArgMatches,
+) -> Result<T, Failure> {
+    let Some(path) = config else { return Ok(options) };
+    let text = read_text(&path)?;
     let own: Vec<OsString> = std::env::args_os().skip(2).collect();
-    parse(path, &text, said, own)
+    parse(&path, &text, said, own)
 }
 
 /// Reads settings of a render.
@@ -57,10 +60,15 @@ fn read_text(path: &Path) -> Result<String, Failure> {
     std::fs::read_to_string(path).map_err(failed)
 }
 
-fn parse(path: &Path, text: &str, said: &ArgMatches, own: Vec<OsString>) -> Result<DatasetOptions, Failure> {
+fn parse<T: Args + FromArgMatches>(
+    path: &Path,
+    text: &str,
+    said: &ArgMatches,
+    own: Vec<OsString>,
+) -> Result<T, Failure> {
     let wrong = |what: String| Failure::Usage(format!("{}: {what}", path.display()));
     let table: toml::Table = text.parse().map_err(|why: toml::de::Error| wrong(why.to_string()))?;
-    let command = DatasetOptions::augment_args(Command::new("holo dataset").no_binary_name(true));
+    let command = T::augment_args(Command::new("holo dataset").no_binary_name(true));
     let mut line: Vec<OsString> = Vec::new();
     for (key, value) in &table {
         // A key that no option has is left to the parser of the command line, which suggests one.
@@ -92,7 +100,7 @@ fn parse(path: &Path, text: &str, said: &ArgMatches, own: Vec<OsString>) -> Resu
     }
     line.extend(own);
     let matches = command.try_get_matches_from(line);
-    let parsed = matches.and_then(|matches| DatasetOptions::from_arg_matches(&matches));
+    let parsed = matches.and_then(|matches| T::from_arg_matches(&matches));
     parsed.map_err(|error| wrong(error.to_string()))
 }
 
@@ -122,6 +130,7 @@ fn relative_to_file(path: &Path, words: Vec<String>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arguments::DatasetOptions;
     use holo_dataset::Spacing;
 
     fn read(text: &str, own: &str) -> Result<DatasetOptions, String> {
@@ -138,11 +147,14 @@ mod tests {
             "--spp 5",
         )
         .unwrap();
-        assert_eq!(options.out.as_deref(), Some(Path::new("some/data")));
+        assert_eq!(options.collection.out.as_deref(), Some(Path::new("some/data")));
         assert_eq!(options.scenes, ["garden", "chess"]);
-        assert_eq!(options.view_counts, [holo_core::GridSize::new(20, 20), holo_core::GridSize::new(3, 4)]);
+        assert_eq!(options.collection.view_counts, [holo_core::GridSize::new(20, 20), holo_core::GridSize::new(3, 4)]);
         let (_, settings) = options.settings().unwrap();
-        assert_eq!((settings.light.samples, settings.light.indirect, options.quiet), (Some(5.into()), false, false));
+        assert_eq!(
+            (settings.light.samples, settings.light.indirect, options.collection.quiet),
+            (Some(5.into()), false, false)
+        );
         let spacing = settings.camera.rig().unwrap().spacing;
         assert_eq!((spacing, options.glb), (Spacing::FNumber(2.8), vec!["some/own/a.glb".into()]));
     }
@@ -150,7 +162,7 @@ mod tests {
     #[test]
     fn cameras_of_a_file_are_presets_or_lie_beside_it() {
         let options = read("camera_file = [\"own.toml\", \"lytro-illum\"]\ntransforms = \"t.json\"", "").unwrap();
-        assert_eq!(options.camera_file, ["some/own.toml", "lytro-illum"]);
+        assert_eq!(options.collection.camera_file, ["some/own.toml", "lytro-illum"]);
         assert_eq!(options.transforms.as_deref(), Some(Path::new("some/t.json")));
         let error = read("camera_file = \"lytro-illum\"\nviews = 3", "").unwrap_err();
         assert!(error.contains("--views") && error.contains("--camera-file"), "{error}");
@@ -158,7 +170,7 @@ mod tests {
 
     #[test]
     fn the_key_of_version_0_1_0_is_the_same_option() {
-        let views = |text: &str, own: &str| read(text, own).unwrap().view_counts;
+        let views = |text: &str, own: &str| read(text, own).unwrap().collection.view_counts;
         assert_eq!(views("splits = 3", ""), [holo_core::GridSize::new(3, 3)]);
         assert_eq!(views("splits = 3", "--views 5"), [holo_core::GridSize::new(5, 5)]);
         assert_eq!(views("views = 3", "--splits 5"), [holo_core::GridSize::new(5, 5)]);

@@ -1,14 +1,20 @@
 //! From the command line to what the libraries take.
 
 use std::num::NonZeroUsize;
+use std::path::Path;
+use std::sync::Arc;
 
 use holo_core::GridSize;
-use holo_dataset::{DatasetCameras, EngineSettings, RenderSettings, RigSettings, adjusted_camera};
+use holo_dataset::settings::Given;
+use holo_dataset::{DatasetCameras, EngineSettings, RenderSettings, RigSettings, SceneSource, adjusted_camera, drawn};
 use holo_io::CameraFile;
+use holo_scene::recipe::Recipe;
 
 use super::config;
 use super::settings::FOCAL_MM;
-use super::{DatasetOptions, EngineOptions, InfoOptions, OpticsOptions, RenderOptions};
+use super::{
+    CollectionOptions, DatasetOptions, EngineOptions, GenerateOptions, InfoOptions, OpticsOptions, RenderOptions,
+};
 use crate::console::say;
 use crate::failure::Failure;
 
@@ -51,16 +57,75 @@ pub fn open_camera(name: &str) -> Result<CameraFile, Failure> {
     Ok(file)
 }
 
+/// The number of views of a set that is drawn, along each axis.
+const GENERATED_VIEWS: [usize; 1] = [9];
+
+/// Cameras, and settings as they are given, over those that they are applied to.
+type Parts = (DatasetCameras, Given, RenderSettings);
+
 impl DatasetOptions {
     /// Returns the cameras, and the settings that all jobs share.
     pub fn settings(&self) -> Result<(DatasetCameras, RenderSettings), Failure> {
+        let (cameras, mut given, mut settings) = self.collection.parts(&VIEW_COUNTS)?;
+        match &self.transforms {
+            Some(path) => {
+                // Light fields instead of single images; every job has its own number of views.
+                if let DatasetCameras::Views(views) = &cameras
+                    && let Some(views) = views.first()
+                {
+                    given.insert("views", views.to_string())?;
+                }
+                settings.apply_at_poses(given, path, self.transforms_up)?;
+            }
+            None => settings.apply(&given)?,
+        }
+        Ok((cameras, settings))
+    }
+}
+
+impl GenerateOptions {
+    /// Returns the recipe.
+    pub fn recipe(&self) -> Result<Arc<Recipe>, Failure> {
+        if let Some(recipe) = Recipe::by_name(&self.recipe) {
+            return Ok(Arc::new(recipe));
+        }
+        let path = Path::new(&self.recipe);
+        if path.is_file() {
+            return Ok(Arc::new(Recipe::open(path).map_err(|why| Failure::Failed(why.to_string()))?));
+        }
+        let (name, known) = (holo_core::shown(&self.recipe), holo_scene::recipe::NAMES.join(", "));
+        Err(Failure::Usage(format!("--recipe {name}: neither a file nor one of {known}")))
+    }
+
+    /// Returns the scenes with their settings, and the cameras.
+    pub fn scenes(
+        &self,
+        recipe: &Arc<Recipe>,
+    ) -> Result<(Vec<(SceneSource, RenderSettings)>, DatasetCameras), Failure> {
+        let mut collection = self.collection.clone();
+        let has_views =
+            !collection.view_counts.is_empty() || collection.preset.is_some_and(|p| p.given().get("views").is_some());
+        if let (true, false, Some(camera)) = (collection.camera_file.is_empty(), has_views, recipe.camera_file()) {
+            collection.camera_file.push(camera.to_owned());
+        }
+        let (cameras, given, base) = collection.parts(&GENERATED_VIEWS)?;
+        let mut checked = base.clone();
+        checked.apply(&given)?;
+        let scenes = drawn(recipe, (checked.light.seed, self.count), &given, &base)?;
+        Ok((scenes, cameras))
+    }
+}
+
+impl CollectionOptions {
+    /// What the options say; `counts` are the numbers of views that nobody chose.
+    fn parts(&self, counts: &[usize]) -> Result<Parts, Failure> {
         let mut given = self.settings.given().clone();
         let mut settings = RenderSettings::default();
         if let Some(preset) = self.preset {
             given = given.over(preset.given());
         }
         settings.preset = self.preset;
-        let views = self.views(given.remove("views"))?;
+        let views = self.views(given.remove("views"), counts)?;
         let files = self.camera_file.iter().map(|path| Ok(adjusted_camera(open_camera(path)?, &mut given.clone())?));
         let files = files.collect::<Result<Vec<_>, Failure>>()?;
         if let Some(first) = files.first() {
@@ -70,29 +135,19 @@ impl DatasetOptions {
                 given.remove(key);
             }
         }
-        match &self.transforms {
-            Some(path) => {
-                // Light fields instead of single images; every job has its own number of views.
-                if let (true, Some(views)) = (files.is_empty(), views.first()) {
-                    given.insert("views", views.to_string())?;
-                }
-                settings.apply_at_poses(given, path, self.transforms_up)?;
-            }
-            None => settings.apply(&given)?,
-        }
         let cameras = match files.is_empty() {
             true => DatasetCameras::Views(views),
             false => DatasetCameras::Plenoptic(files),
         };
-        Ok((cameras, settings))
+        Ok((cameras, given, settings))
     }
 
-    /// Returns the numbers of views of the dataset: those of the command line, else that of the preset, else those of the paper.
-    fn views(&self, of_preset: Option<String>) -> Result<Vec<GridSize>, Failure> {
+    /// Returns the numbers of views: those of the command line, else that of the preset, else `counts`.
+    fn views(&self, of_preset: Option<String>, counts: &[usize]) -> Result<Vec<GridSize>, Failure> {
         match (self.view_counts.as_slice(), of_preset) {
             ([], Some(one)) => Ok(vec![one.parse().map_err(|why| Failure::Usage(format!("{why}")))?]),
-            ([], None) => Ok(VIEW_COUNTS.map(|count| GridSize::new(count, count)).into()),
-            (counts, _) => Ok(counts.to_vec()),
+            ([], None) => Ok(counts.iter().map(|&count| GridSize::new(count, count)).collect()),
+            (chosen, _) => Ok(chosen.to_vec()),
         }
     }
 }

@@ -1,16 +1,16 @@
-//! `holo dataset`: scenes times cameras, each a folder of its own; complete folders are kept.
+//! `holo dataset` and `holo generate`: scenes times cameras, each a folder of its own; complete folders are kept.
 
 use std::path::Path;
 use std::time::Instant;
 
 use clap::ArgMatches;
 use holo_dataset::{
-    Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, Diagnostics, JobSummary, RunOptions, finished,
-    sources, write_catalog,
+    Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, Diagnostics, JobSummary, RunOptions,
+    SetProperties, finished, sources, write_catalog,
 };
 use serde_json::json;
 
-use crate::arguments::{DatasetOptions, config};
+use crate::arguments::{CollectionOptions, DatasetOptions, GenerateOptions, config};
 use crate::console::peak_rss_bytes;
 use crate::console::{out, say};
 use crate::failure::Failure;
@@ -21,12 +21,39 @@ use crate::progress::Overall;
 const NONE: &str = "none";
 
 pub fn run(options: DatasetOptions, matches: &ArgMatches) -> Result<(), Failure> {
+    let config = options.collection.config.clone();
+    let options = config::complete(options, config, matches)?;
+    render(&options.collection, || plan(&options))
+}
+
+/// `holo generate`.
+pub fn generate(options: GenerateOptions, matches: &ArgMatches) -> Result<(), Failure> {
+    let config = options.collection.config.clone();
+    let options = config::complete(options, config, matches)?;
+    let recipe = options.recipe()?;
+    render(&options.collection, || {
+        let (scenes, cameras) = options.scenes(&recipe)?;
+        Ok(DatasetPlan::of_each(&scenes, cameras, options.collection.engine.settings())?)
+    })?;
+    let Some(root) = options.collection.out.filter(|_| !options.collection.quiet) else { return Ok(()) };
+    let found = SetProperties::read(&root)?;
+    if found.scenes > 0 {
+        say!("{found}");
+    }
+    for (name, share, [low, high]) in found.beyond(&recipe) {
+        let [share, low, high] = [share, low, high].map(|share| 100.0 * share);
+        say!("warning: {share:.0} % of the scenes are {name}, and the recipe has {low:.0} to {high:.0} %");
+    }
+    Ok(())
+}
+
+/// Renders the jobs of a plan.
+fn render(options: &CollectionOptions, plan: impl FnOnce() -> Result<DatasetPlan, Failure>) -> Result<(), Failure> {
     let start = Instant::now();
-    let options = config::complete(options, matches)?;
     let root = options.out.clone().ok_or_else(|| {
         Failure::Usage("where to? give --out DIR, on the command line or as `out` in the file of --config".into())
     })?;
-    let plan = plan(&options)?;
+    let plan = plan()?.checkpoints(Checkpoints::every_seconds(options.checkpoint).as_ref());
     let bar = Overall::new(options.quiet);
     let diagnostics = Deduplicated::new(|line: &str| {
         if !options.quiet {
@@ -112,6 +139,5 @@ fn plan(options: &DatasetOptions) -> Result<DatasetPlan, Failure> {
         _ => Some(&options.scenes[..]),
     };
     let sources = sources(names, &options.glb)?;
-    let plan = DatasetPlan::new(&sources, cameras, settings, options.engine.settings())?;
-    Ok(plan.checkpoints(Checkpoints::every_seconds(options.checkpoint).as_ref()))
+    Ok(DatasetPlan::new(&sources, cameras, settings, options.collection.engine.settings())?)
 }

@@ -285,6 +285,42 @@ fn the_toolkit_of_the_benchmark_gets_masks_and_truth_of_high_resolution() {
     }
 }
 
+/// The truth has no fault, and an estimate that is too near has its share of them.
+#[test]
+fn stratified_scenes_have_scores_of_their_own() {
+    let bench = Bench::new();
+    ok(bench.run(
+        "dataset --out four --scenes stratified --views 3 --lenses 128x128 --disparity -1.5,1.5 --write depth,disparity,masks --quiet",
+    ));
+    // By how many pixels the estimate is too near: the spikes are up to 2.5 px before the background.
+    type Scores = &'static [(&'static str, f64)];
+    let known: [(&str, f32, Scores); 4] = [
+        ("backgammon", 3.0, &[("spikes_thinning_percent", 0.0), ("spikes_fattening_percent", 100.0)]),
+        ("dots", 1.0, &[("boxes_mean_squared_error_x100", 100.0), ("missed_dots_percent", 100.0)]),
+        ("pyramids", 1.0, &[("relief_bumpiness", 0.0), ("base_bumpiness", 0.0)]),
+        (
+            "stripes",
+            1.0,
+            &[("dark_stripes_bad_pixels_0.07_percent", 100.0), ("bright_stripes_bad_pixels_0.07_percent", 100.0)],
+        ),
+    ];
+    for (scene, near_px, known) in known {
+        let map = format!("four/{scene}/3x3/scene_disparity.pfm");
+        let truth = holo_io::read_pfm_gray(bench.path(&map), &Limits::default()).unwrap();
+        holo_io::write_pfm(bench.path("near.pfm"), truth.mapv(|d| d + near_px).view()).unwrap();
+        let scores = |estimate: &str| -> serde_json::Value {
+            serde_json::from_str(&ok(bench.run(&format!("eval {estimate} {map} --json"))).stdout).unwrap()
+        };
+        let (own, near) = (scores(&map), scores("near.pfm"));
+        for (key, expected) in known {
+            assert_eq!(own[key], 0.0, "{scene}: {own}");
+            let found = near[key].as_f64().unwrap_or(f64::NAN);
+            // Disparities are f32.
+            assert!((found - expected).abs() < 1e-3, "{scene}: {key} is {found}");
+        }
+    }
+}
+
 /// All light fields of a dataset lie in one array.
 #[cfg(feature = "hdf5")]
 #[test]

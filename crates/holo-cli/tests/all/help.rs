@@ -15,6 +15,7 @@ fn the_help_names_every_command_and_the_order_of_numbers() {
     for command in [
         "render",
         "dataset",
+        "generate",
         "merge",
         "info",
         "remap",

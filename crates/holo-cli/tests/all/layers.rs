@@ -1,6 +1,6 @@
 //! Layers by name: which files come of `--layers` and `--write exr`, and what is in them.
 
-use crate::common::{Bench, DEFAULT_FILES, SCENE, SMALL, read_u8, small_split};
+use crate::common::{Bench, DEFAULT_FILES, SCENE, SMALL, read_u8, read_u16, small_split};
 use crate::python;
 use holo_io::{Limits, Manifest, ManifestValue, read_exr, read_pfm};
 use ndarray::{Array3, Axis, s};
@@ -138,9 +138,12 @@ fn masks_say_which_pixels_are_hard() {
         "discontinuity",
         "fine",
         "fine_surrounding",
+        "objects",
         "occluded",
         "plane",
         "reflective",
+        "repetitive",
+        "slanted",
         "smooth",
         "textureless",
         "valid",
@@ -157,6 +160,15 @@ fn masks_say_which_pixels_are_hard() {
     }
     for name in ["discontinuity", "plane", "occluded"] {
         assert!(mask(name).iter().any(|&code| code > 0) && mask(name).iter().any(|&code| code == 0), "{name}");
+    }
+    let objects = read_u16(bench.path("out/masks/objects.png")).index_axis_move(Axis(2), 0);
+    let names = match &Manifest::read(bench.path("out/manifest.json")).unwrap().settings["objects"] {
+        ManifestValue::List(names) => names.len(),
+        other => panic!("{other:?}"),
+    };
+    for (place, &hit) in hit.indexed_iter() {
+        assert_eq!(objects[place] > 0, hit > 0.0, "{place:?}");
+        assert!(usize::from(objects[place]) <= names, "{place:?}");
     }
     assert_eq!(bench.run("verify out").code, Some(0));
     // Masks need visibility, and do not write it.

@@ -15,6 +15,7 @@ mod develop;
 mod error_chains;
 mod export;
 mod failures;
+mod generate;
 mod help;
 mod hostile_folders;
 mod images;

@@ -25,7 +25,7 @@ impl DatasetCameras {
     /// # Errors
     /// As [`DatasetPlan::new`](crate::DatasetPlan::new).
     pub fn check(&self, settings: &RenderSettings) -> Result<(), Error> {
-        of(self.clone(), settings).map(drop)
+        of(self, settings).map(drop)
     }
 }
 
@@ -57,9 +57,9 @@ impl From<Vec<CameraFile>> for DatasetCameras {
 type Planned = (DatasetCamera, RenderSettings);
 
 /// Returns the cameras of a dataset.
-pub(super) fn of(cameras: DatasetCameras, settings: &RenderSettings) -> Result<Vec<Planned>, Error> {
+pub(super) fn of(cameras: &DatasetCameras, settings: &RenderSettings) -> Result<Vec<Planned>, Error> {
     match cameras {
-        DatasetCameras::Views(views) => rigs(&views, settings),
+        DatasetCameras::Views(views) => rigs(views, settings),
         DatasetCameras::Plenoptic(files) => plenoptic(files, settings),
     }
 }
@@ -123,7 +123,7 @@ fn size_of_poses(array: &CameraArray, pixels: Pixels) -> Result<GridSize, Error>
 }
 
 /// Plenoptic cameras with names that are folders of their own.
-fn plenoptic(files: Vec<CameraFile>, settings: &RenderSettings) -> Result<Vec<Planned>, Error> {
+fn plenoptic(files: &[CameraFile], settings: &RenderSettings) -> Result<Vec<Planned>, Error> {
     if settings.camera.rig().is_some_and(|rig| *rig != RigSettings::default()) {
         return bad("`camera-file` has plenoptic cameras, and the settings are of a rig; remove one of both");
     }
@@ -143,8 +143,8 @@ fn plenoptic(files: Vec<CameraFile>, settings: &RenderSettings) -> Result<Vec<Pl
                 "two cameras of `camera-file` have the name '{name}' and would share a folder; change one of the names"
             ));
         }
-        let (size, sha256) = (file.camera.sensor().size, camera_digest(&file).to_string());
-        let settings = RenderSettings { camera: file.into(), ..settings.clone() };
+        let (size, sha256) = (file.camera.sensor().size, camera_digest(file).to_string());
+        let settings = RenderSettings { camera: file.clone().into(), ..settings.clone() };
         Wanted::new(&settings)?;
         planned.push((DatasetCamera::Plenoptic { name, size, sha256 }, settings));
     }

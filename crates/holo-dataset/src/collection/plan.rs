@@ -2,20 +2,23 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use holo_core::GridSize;
-use holo_io::WorldUp;
-use holo_io::dataset::{self, DatasetCamera, DatasetPoses};
+use holo_io::dataset::{self, DatasetCamera, DatasetPoses, DatasetRecipe};
+use holo_io::{Folder, WorldUp};
 use holo_scene::gallery;
+use holo_scene::recipe::Recipe;
 
 use super::cameras::{self, DatasetCameras};
+use super::properties;
 
 use crate::Error;
 use crate::describe::index::{self, Entry};
 use crate::output::{OutputFolder, Rollback, poses};
 use crate::resume::Checkpoints;
-use crate::settings::{EngineSettings, Poses, RenderSettings, texts};
-use crate::shot::{RenderJob, RunOptions, Runner, SceneSource, Shot, ShotOutcome, engine_name, poses_digest};
+use crate::settings::{EngineSettings, Given, Group, Poses, RenderSettings, Setting, texts};
+use crate::shot::{Drawing, RenderJob, RunOptions, Runner, SceneSource, Shot, ShotOutcome, engine_name, poses_digest};
 use crate::watch::Diagnostics;
 
 /// The plan of a dataset: its jobs in order.
@@ -96,13 +99,30 @@ impl DatasetPlan {
         settings: RenderSettings,
         engine: EngineSettings,
     ) -> Result<Self, Error> {
-        let cameras = cameras::of(cameras.into(), &settings)?;
-        check_names(sources)?;
-        let settings = cameras.first().map_or(settings, |(_, first)| first.clone());
+        let cameras = cameras.into();
+        // Before scenes are looked at.
+        cameras.check(&settings)?;
+        let scenes = sources.iter().map(|source| (source.clone(), settings.clone())).collect::<Vec<_>>();
+        Self::of_each(&scenes, cameras, engine)
+    }
+
+    /// Plans a job for every source and every camera with settings of its own: see [`new`](Self::new), and [`drawn`](crate::drawn).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of_each(
+        scenes: &[(SceneSource, RenderSettings)],
+        cameras: impl Into<DatasetCameras>,
+        engine: EngineSettings,
+    ) -> Result<Self, Error> {
+        let cameras = cameras.into();
+        check_names(scenes.iter().map(|(source, _)| source))?;
+        let mut first = None;
         let (mut renders, mut jobs) = (Vec::new(), Vec::new());
-        for source in sources {
-            for (camera, settings) in &cameras {
+        for (source, settings) in scenes {
+            for (camera, settings) in cameras::of(&cameras, settings)? {
                 let render = RenderJob::new(source.clone(), settings.clone()).engine(engine);
+                first.get_or_insert(settings);
                 jobs.extend(render.shots().into_iter().map(|shot| DatasetJob {
                     camera: camera.clone(),
                     source: source.clone(),
@@ -113,7 +133,7 @@ impl DatasetPlan {
             }
         }
         check_folders(&jobs)?;
-        Ok(Self { settings, engine, renders, jobs })
+        Ok(Self { settings: first.unwrap_or_default(), engine, renders, jobs })
     }
 
     /// Sets how often and where finished parts of every job are kept; `None`: not at all.
@@ -139,6 +159,9 @@ impl DatasetPlan {
     pub fn describe(&self, root: &Path, diagnostics: &dyn Diagnostics, rollback: &Rollback) -> Result<(), Error> {
         let backend = engine_name(&self.engine, diagnostics)?;
         let folder = OutputFolder::create_plain(root, rollback)?;
+        if let Some(SceneSource::Recipe(drawing)) = self.renders.first().map(|render| &render.source) {
+            write_recipe(folder.folder(), drawing.recipe().text())?;
+        }
         let mut entries = Vec::with_capacity(self.jobs.len());
         let mut digest = (usize::MAX, String::new());
         for job in &self.jobs {
@@ -146,12 +169,21 @@ impl DatasetPlan {
                 digest = (job.render, job.source.sha256()?.to_string());
             }
             let (name, scene, sha256) = (job.scene(), job.source.name(), digest.1.clone());
-            entries.push(Entry { name, scene, sha256, camera: job.camera.clone() });
+            let purpose = match &job.source {
+                SceneSource::Recipe(drawing) => format!("drawn from the recipe {}", drawing.recipe().name()),
+                _ => gallery::purpose(&scene).unwrap_or("a scene from a file").to_owned(),
+            };
+            entries.push(Entry { name, scene, purpose, sha256, camera: job.camera.clone() });
         }
+        // What all have in common: a recipe draws some for each scene.
         let mut options = texts(&self.settings);
+        for render in &self.renders {
+            let own = texts(&render.settings);
+            options.retain(|key, text| own.get(key) == Some(text));
+        }
         // Every light field has its own.
         options.remove("views");
-        index::write(folder.folder(), &entries, self.poses(), (&options, &backend))?;
+        index::write(folder.folder(), &entries, (self.poses(), self.recipe()), (&options, &backend))?;
         if let Poses::Array { cameras, up } = &self.settings.poses {
             poses::write(folder.folder(), cameras, *up, self.settings.camera.size())?;
         }
@@ -168,6 +200,13 @@ impl DatasetPlan {
         };
         let sha256 = poses_digest(cameras).to_string();
         Some(DatasetPoses { count: cameras.cameras.len(), sha256, up: up.to_owned() })
+    }
+
+    /// What `dataset.json` says of the recipe, if the scenes are drawn.
+    fn recipe(&self) -> Option<DatasetRecipe> {
+        let SceneSource::Recipe(drawing) = &self.renders.first()?.source else { return None };
+        let count = self.renders.iter().map(|render| render.source.name()).collect::<BTreeSet<_>>().len();
+        Some(DatasetRecipe { name: drawing.recipe().name().to_owned(), seed: drawing.seed(), count })
     }
 
     /// Returns what runs the jobs.
@@ -191,6 +230,46 @@ impl DatasetRun<'_> {
         self.runner = Some((job.render, runner));
         outcome
     }
+}
+
+/// The recipe of a set that was drawn, in its root.
+const RECIPE: &str = "recipe.toml";
+
+/// Draws the settings of the first scenes of a recipe, from 0 to `count - 1`: those given, over those of the recipe. The seed of
+/// the samples of a scene is `seed` plus its number.
+///
+/// # Errors
+/// [`Error::BadRequest`] if the recipe has a setting that does not exist, or of another kind of camera than `base`, or settings
+/// exclude each other.
+pub fn drawn(
+    recipe: &Arc<Recipe>,
+    (seed, count): (u64, u64),
+    given: &Given,
+    base: &RenderSettings,
+) -> Result<Vec<(SceneSource, RenderSettings)>, Error> {
+    for (name, _) in recipe.shares() {
+        if !properties::names().any(|known| known == name) {
+            let known = properties::names().collect::<Vec<_>>().join(", ");
+            let name = holo_core::shown(name);
+            return Err(Error::BadRequest(format!("`recipe`: {name} in [shares] is no property; they are {known}")));
+        }
+    }
+    let draw = |number| {
+        let mut own = Given::default();
+        for (key, text) in recipe.settings(seed, number) {
+            let is_of_rig = Setting::by_key(&key).is_some_and(|setting| setting.group() == Group::Rig);
+            own.insert(&key, text)?;
+            // Plenoptic cameras are what their files say.
+            if is_of_rig && base.camera.rig().is_none() {
+                own.remove(&key);
+            }
+        }
+        let mut settings = base.clone();
+        settings.apply(&given.clone().over(own))?;
+        settings.light.seed = seed.wrapping_add(number);
+        Ok((SceneSource::Recipe(Drawing::new(Arc::clone(recipe), seed, number)), settings))
+    };
+    (0..count).map(draw).collect()
 }
 
 /// The names of lists of the gallery's scenes, in place of scenes: of the paper's dataset, and the stratified ones.
@@ -219,19 +298,32 @@ pub fn sources(names: Option<&[String]>, files: &[PathBuf]) -> Result<Vec<SceneS
     Ok(sources)
 }
 
+/// Writes the recipe of a set, unless it lies there.
+fn write_recipe(root: &Folder, text: &str) -> Result<(), Error> {
+    if root.kind(RECIPE)?.is_none() {
+        holo_io::write_file(root.file(RECIPE), text.as_bytes())?;
+    } else if root.read(RECIPE, text.len() as u64 + 1).ok().as_deref() != Some(text.as_bytes()) {
+        let path = root.path_of(RECIPE);
+        return Err(Error::Failed(format!("{}: another recipe; give an empty `out`", path.display())));
+    }
+    Ok(())
+}
+
 /// Checks that every scene has a unique folder.
-fn check_names(sources: &[SceneSource]) -> Result<(), Error> {
-    for (index, source) in sources.iter().enumerate() {
+fn check_names<'a>(sources: impl Iterator<Item = &'a SceneSource>) -> Result<(), Error> {
+    let mut names = BTreeSet::new();
+    for source in sources {
         let name = source.name();
-        if sources[..index].iter().any(|other| other.name() == name) {
+        // Before anything is rendered.
+        dataset::folder(&name, GridSize::new(1, 1))?;
+        if names.contains(&name) {
             return Err(Error::BadRequest(format!(
                 "two scenes have the name '{name}' and would share a folder; rename one"
             )));
         }
-        // Before anything is rendered.
-        dataset::folder(&name, GridSize::new(1, 1))?;
+        names.insert(name);
     }
-    if sources.is_empty() {
+    if names.is_empty() {
         return Err(Error::BadRequest("no scene: omit `scenes` for all scenes of the gallery, or give `glb`".into()));
     }
     Ok(())

@@ -1,11 +1,11 @@
 //! The two files in the root of a dataset: `dataset.json` for programs, `DATASET.md` for human readers.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use holo_core::{GridSize, LightFieldShape};
 use holo_io::Folder;
-use holo_io::dataset::{self as names, DatasetCamera, DatasetIndex, DatasetPoses, SceneEntry};
+use holo_io::dataset::{self as names, DatasetCamera, DatasetIndex, DatasetPoses, DatasetRecipe, SceneEntry};
 use holo_scene::gallery;
 
 use super::catalog;
@@ -62,6 +62,8 @@ pub(crate) struct Entry {
     pub name: String,
     /// The name of the scene itself.
     pub scene: String,
+    /// What the scene is there for.
+    pub purpose: String,
     /// The digest of the scene.
     pub sha256: String,
     pub camera: DatasetCamera,
@@ -75,10 +77,10 @@ type Options = BTreeMap<String, String>;
 pub(crate) fn write(
     root: &Folder,
     entries: &[Entry],
-    poses: Option<DatasetPoses>,
+    (poses, recipe): (Option<DatasetPoses>, Option<DatasetRecipe>),
     (options, backend): (&Options, &str),
 ) -> Result<(), Error> {
-    let index = index(entries, poses, options, backend);
+    let index = DatasetIndex { poses, recipe, ..index(entries, options, backend) };
     let own = Own::new(root);
     own.check(&index)?;
     // The catalog of other folders would be one of none.
@@ -90,12 +92,13 @@ pub(crate) fn write(
     Ok(())
 }
 
-fn index(entries: &[Entry], poses: Option<DatasetPoses>, options: &Options, backend: &str) -> DatasetIndex {
+fn index(entries: &[Entry], options: &Options, backend: &str) -> DatasetIndex {
     let mut scenes: Vec<SceneEntry> = Vec::new();
     let mut cameras: Vec<DatasetCamera> = Vec::new();
-    for Entry { name, scene, sha256, camera } in entries {
-        if scenes.iter().all(|scene| scene.name != *name) {
-            let purpose = gallery::purpose(scene).unwrap_or("a scene from a file").to_owned();
+    let mut names = BTreeSet::new();
+    for Entry { name, scene, purpose, sha256, camera } in entries {
+        if names.insert(name) {
+            let purpose = purpose.clone();
             let source = (name != scene).then(|| scene.clone());
             scenes.push(SceneEntry { name: name.clone(), purpose, sha256: sha256.clone(), source });
         }
@@ -114,7 +117,8 @@ fn index(entries: &[Entry], poses: Option<DatasetPoses>, options: &Options, back
         scenes,
         conventions: if has_rigs { pairs(&CONVENTIONS) } else { pairs(&RAW_CONVENTIONS) },
         cameras,
-        poses,
+        poses: None,
+        recipe: None,
         license: LICENSE.to_owned(),
     }
 }
@@ -246,9 +250,13 @@ fn arguments(options: &Options) -> impl Iterator<Item = String> {
     })
 }
 
-/// The command that makes the dataset.
-fn write_command(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
-    writeln!(text, "```\nholo dataset --out DIR \\")?;
+/// The command that makes such a set.
+fn command(index: &DatasetIndex) -> &'static str {
+    if index.recipe.is_some() { "generate" } else { "dataset" }
+}
+
+/// The scenes, as options.
+fn write_sources(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     let mut sources: Vec<&str> = Vec::new();
     for scene in index.scenes.iter().map(SceneEntry::source) {
         // Poses and frames of a scene follow each other.
@@ -262,6 +270,18 @@ fn write_command(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     writeln!(text, "    --scenes {} \\", if built_in.is_empty() { "none".into() } else { built_in.join(",") })?;
     if !own.is_empty() {
         writeln!(text, "    --glb {} \\", own.join(","))?;
+    }
+    Ok(())
+}
+
+/// The command that makes the dataset.
+fn write_command(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
+    writeln!(text, "```\nholo {} --out DIR \\", command(index))?;
+    match &index.recipe {
+        Some(recipe) => {
+            writeln!(text, "    --recipe recipe.toml --count {} --seed {} \\", recipe.count, recipe.seed)?;
+        }
+        None => write_sources(index, text)?,
     }
     let (shapes, cameras) = (shapes(index), plenoptic(index));
     let first = index.scenes.first().map_or("", |scene| scene.name.as_str());
@@ -292,7 +312,8 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     let versions: Vec<String> = index.versions.iter().map(|(what, version)| format!("{what} {version}")).collect();
     writeln!(
         text,
-        "With `holo dataset`: {}. The same command makes the same bytes, on any number of machines:\n",
+        "With `holo {}`: {}. The same command makes the same bytes, on any number of machines:\n",
+        command(index),
         versions.join(", ")
     )?;
     write_command(index, text)?;
@@ -308,9 +329,10 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     };
     writeln!(
         text,
-        "```{shared}\n\nThe files of --glb are scenes that are not of the gallery. `holo verify DIR` checks the result."
+        "```{shared}\n\n{}`holo verify DIR` checks the result.",
+        if index.recipe.is_some() { "" } else { "The files of --glb are scenes that are not of the gallery. " }
     )?;
-    if shapes(index).is_empty() || index.poses.is_some() {
+    if shapes(index).is_empty() || index.poses.is_some() || index.recipe.is_some() {
         writeln!(text, "The other files of the command are in this folder.")?;
     }
     writeln!(text, "\n## Licence and citation\n")?;

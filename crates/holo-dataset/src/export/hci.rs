@@ -87,8 +87,15 @@ fn write_for_toolkit(folder: &mut OutputFolder, loaded: &LoadedField, job: &Expo
     let scene = format!("data/{}", job.scene_folder(GROUP, &loaded.name));
     let (rows, columns) = disparity.dim();
     write(folder, loaded, &scene, job.group.as_deref().unwrap_or(GROUP), &more)?;
-    for (region, mask) in &loaded.regions {
-        let Some(name) = hci_mask(region) else { continue };
+    let region = |name: &str, mask: &Array2<bool>| hci_mask(name).map(|name| (name, codes(mask)));
+    let mut masks: Vec<(&str, Array2<u8>)> =
+        loaded.regions.iter().filter_map(|(name, mask)| region(name, mask)).collect();
+    if let Some(objects) = &loaded.objects {
+        masks.extend(objects.toolkit_masks());
+        let textureless = loaded.regions.iter().find(|(name, _)| name == "textureless");
+        masks.extend(textureless.map(|(_, mask)| ("mask_low_texture", codes(mask))));
+    }
+    for (name, mask) in masks {
         let (own_rows, own_columns) = mask.dim();
         let of = |(v, u): (usize, usize)| mask[[v * own_rows / rows, u * own_columns / columns]];
         let large = Array2::from_shape_fn((rows, columns), of);
@@ -101,10 +108,15 @@ fn write_for_toolkit(folder: &mut OutputFolder, loaded: &LoadedField, job: &Expo
     Ok(())
 }
 
-/// A mask as an image of 0 and 255.
-fn write_mask(folder: &mut OutputFolder, name: &str, mask: ArrayView2<bool>, channels: usize) -> Result<(), Error> {
+/// A mask as codes: 0 and 255.
+fn codes(mask: &Array2<bool>) -> Array2<u8> {
+    mask.mapv(|is_in| if is_in { 255 } else { 0 })
+}
+
+/// Writes a mask as an image.
+fn write_mask(folder: &mut OutputFolder, name: &str, mask: ArrayView2<u8>, channels: usize) -> Result<(), Error> {
     let (rows, columns) = mask.dim();
-    let codes = Array3::from_shape_fn((rows, columns, channels), |(v, u, _)| if mask[[v, u]] { 255_u8 } else { 0 });
+    let codes = Array3::from_shape_fn((rows, columns, channels), |(v, u, _)| mask[[v, u]]);
     let written = holo_io::write_png(folder.file(name), codes.view(), ColorEncoding::Linear, Compression::Fast)?;
     folder.add(name, written);
     Ok(())
@@ -158,7 +170,7 @@ fn write(
         folder.add(format!("{scene}/{file}"), written);
     }
     let hits = loaded.hits.clone().unwrap_or_else(|| depth.mapv(f32::is_finite));
-    write_mask(folder, &format!("{scene}/valid_mask.png"), hits.view(), 3)
+    write_mask(folder, &format!("{scene}/valid_mask.png"), codes(&hits).view(), 3)
 }
 
 fn check(sizes: &[LoadedNote]) -> Option<String> {

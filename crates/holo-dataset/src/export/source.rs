@@ -11,7 +11,7 @@ use ndarray::Array2;
 
 use crate::Error;
 use crate::describe::{is_dataset, shots_of};
-use crate::score::{RegionMask, read_mask, region_masks};
+use crate::score::{Objects, RegionMask, read_mask, region_masks};
 
 /// A light field that is not read yet.
 pub(super) struct SourceField {
@@ -36,6 +36,8 @@ pub(super) struct LoadedField {
     pub hits: Option<Array2<bool>>,
     /// Regions of the central view.
     pub regions: Vec<RegionMask>,
+    /// What the central view sees, if the scene is a stratified one.
+    pub objects: Option<Objects>,
     path: PathBuf,
 }
 
@@ -115,7 +117,9 @@ impl SourceField {
             false => depth_m.as_ref().map(|depth| depth.mapv(f32::is_finite)),
         };
         let size = depth_m.as_ref().map(|depth| depth.dim());
-        let regions = size.map_or(Ok(Vec::new()), |size| region_masks(&self.path.join(DISPARITY_PFM), size))?;
+        let map = self.path.join(DISPARITY_PFM);
+        let regions = size.map_or(Ok(Vec::new()), |size| region_masks(&map, size))?;
+        let objects = size.map_or(Ok(None), |size| Objects::read(&map, size))?;
         let read = reader.read()?;
         let rig = read.rig;
         let field = codes(read.light_field.without_alpha()?)?;
@@ -128,6 +132,7 @@ impl SourceField {
             depth_m,
             hits,
             regions,
+            objects,
             path: self.path.clone(),
         })
     }

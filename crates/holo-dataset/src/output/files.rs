@@ -114,16 +114,16 @@ fn write_views(
     }
     folder.unseal()?;
     layers::write(&mut folder, &wanted, &rendered, disparity_px)?;
+    let mut statistics = Statistics::new(&rendered, views.visibility.as_ref());
     if let Some(visibility) = &views.visibility {
         if wanted.visibility {
             layers::write_visibility(&mut folder, visibility)?;
         }
         if wanted.masks {
-            masks::write(&mut folder, &rendered, visibility)?;
+            statistics.masks = masks::write(&mut folder, &rendered, visibility)?;
         }
     }
     motion::write(&mut folder, &wanted, &views.rig, &views.motion)?;
-    let mut statistics = Statistics::new(&rendered, views.visibility.as_ref());
     let images = Images {
         settings: &settings.output,
         subset: settings.camera.rig().and_then(|rig| rig.subset.as_ref()),

@@ -5,28 +5,44 @@
 //! | `valid` | something is hit |
 //! | `occluded` | a quarter of the views or more do not see the point: it is hidden, or beyond their images |
 //! | `discontinuity` | within two pixels of a jump of the disparity by more than 0.1 px between neighbors |
+//! | `slanted` | planes along which the disparity changes by more than 0.01 px from pixel to pixel |
+//! | `repetitive` | the albedo around, 9 x 9, differs, and is found again in its row, 6 to 48 px away |
 //! | `textureless` | the albedo of the pixels around, 5 x 5, differs by less than 0.02 in every channel |
 //! | `reflective` | the surface mirrors light or lets it pass ([`holo_scene::Material::is_reflective`]) |
 //! | `plane` | all pixels around, 3 x 3, have normals within 0.1 degrees, and no jump |
 //! | `smooth` | the same with normals within 10 degrees, where it is no plane: a curved surface |
 //! | `fine` | narrower than 8 px: between two jumps to what is farther, along a row, a column or a diagonal |
 //! | `fine_surrounding` | at most 4 px from something fine, and farther by a jump |
+//!
+//! Beside them lies `objects.png`: the number of the object that a pixel hits, from 1, 16 bits; 0 where nothing is hit. The
+//! manifest has the names in this order, `objects`. Scenes of more than 65,535 objects have none.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use holo_io::{ColorEncoding, Compression};
 use holo_render::{Layer, LayerSet, Layers, Rendered};
 use ndarray::{Array2, Array3, ArrayView3, Axis};
+use rayon::prelude::*;
 
 use super::folder::OutputFolder;
 use crate::Error;
 
 /// The layers of the central view that masks follow from, beside its visibility.
-pub(super) const LAYERS: LayerSet =
-    LayerSet::of(&[Layer::Disparity, Layer::GeometricNormal, Layer::Albedo, Layer::HitMask, Layer::Reflective]);
+pub(super) const LAYERS: LayerSet = LayerSet::of(&[
+    Layer::Disparity,
+    Layer::GeometricNormal,
+    Layer::Albedo,
+    Layer::HitMask,
+    Layer::Reflective,
+    Layer::ObjectId,
+]);
 
 /// The folder of the masks.
 const FOLDER: &str = "masks";
+
+/// The numbers of the objects.
+pub(crate) const OBJECTS_PNG: &str = "masks/objects.png";
 
 /// Points that a smaller part of the views sees are occluded.
 const SEEN: f32 = 0.75;
@@ -50,19 +66,41 @@ const SMOOTH: f32 = 0.0152;
 /// Fine structures are narrower, px; what surrounds them is as near as half of that.
 const FINE_PX: usize = 8;
 
-/// Writes all masks: 8-bit PNGs, 255 where a pixel belongs to the mask.
-pub(super) fn write(folder: &mut OutputFolder, rendered: &Rendered, visibility: &Array2<f32>) -> Result<(), Error> {
+/// A plane is slanted if its disparity changes by more, px from pixel to pixel.
+const SLANT_PX: f32 = 0.01;
+
+/// How far pixels belong to a pattern, how far away it is found again, and how much its albedo may differ there.
+const PATTERN: usize = 4;
+const REPEATED: Range<usize> = 6..49;
+const SAME: f32 = 0.02;
+
+/// Writes all masks: 8-bit PNGs, 255 where a pixel belongs to the mask. Returns the part of the pixels in each.
+pub(super) fn write(
+    folder: &mut OutputFolder,
+    rendered: &Rendered,
+    visibility: &Array2<f32>,
+) -> Result<BTreeMap<String, f64>, Error> {
     folder.subfolder(FOLDER)?;
+    let mut parts = BTreeMap::new();
     for (name, mask) in masks(&rendered.central, visibility) {
+        let part = mask.iter().filter(|is_in| **is_in).count() as f64 / mask.len() as f64;
+        parts.insert(name.to_owned(), part);
         let codes: Array3<u8> = mask.mapv(|is_in| if is_in { 255 } else { 0 }).insert_axis(Axis(2));
         let file = format!("{FOLDER}/{name}.png");
         let written = holo_io::write_png(folder.file(&file), codes.view(), ColorEncoding::Linear, Compression::Best)?;
         folder.add(file, written);
     }
-    Ok(())
+    let ids = rendered.central[Layer::ObjectId].view();
+    if ids.iter().all(|&id| id <= f32::from(u16::MAX)) {
+        let codes = ids.mapv(|id| id as u16);
+        let path = folder.file(OBJECTS_PNG);
+        let written = holo_io::write_png(path, codes.view(), ColorEncoding::Linear, Compression::Best)?;
+        folder.add(OBJECTS_PNG, written);
+    }
+    Ok(parts)
 }
 
-fn masks(central: &Layers<Array3<f32>>, visibility: &Array2<f32>) -> [(&'static str, Array2<bool>); 9] {
+fn masks(central: &Layers<Array3<f32>>, visibility: &Array2<f32>) -> [(&'static str, Array2<bool>); 11] {
     let scalar = |layer: Layer| central[layer].index_axis(Axis(2), 0).to_owned();
     let valid = scalar(Layer::HitMask).mapv(|hit| hit > 0.0);
     let disparity = scalar(Layer::Disparity);
@@ -87,11 +125,20 @@ fn masks(central: &Layers<Array3<f32>>, visibility: &Array2<f32>) -> [(&'static 
     let textureless =
         around(valid.dim(), AROUND_TEXTURE, |window, [v, u]| valid[[v, u]] && is_even(albedo, &valid, &window));
     let occluded = Array2::from_shape_fn(valid.dim(), |place| valid[place] && visibility[place] <= SEEN);
+    let slope = |[rows, columns]: &Window, [v, u]: [usize; 2]| {
+        let across =
+            (disparity[[v, columns.end - 1]] - disparity[[v, columns.start]]) / (columns.len() - 1).max(1) as f32;
+        let down = (disparity[[rows.end - 1, u]] - disparity[[rows.start, u]]) / (rows.len() - 1).max(1) as f32;
+        across.hypot(down)
+    };
+    let slanted = around(valid.dim(), 1, |window, place| plane[place] && slope(&window, place) > SLANT_PX);
     [
         ("occluded", occluded),
         ("discontinuity", near_jump.1),
-        ("textureless", textureless),
         ("reflective", scalar(Layer::Reflective).mapv(|share| share > 0.0)),
+        ("slanted", slanted),
+        ("repetitive", repetitive(&albedo, &valid, &textureless)),
+        ("textureless", textureless),
         ("plane", plane),
         ("smooth", smooth),
         ("fine", fine),
@@ -107,6 +154,32 @@ type Window = [Range<usize>; 2];
 fn around(dim: (usize, usize), reach: usize, value: impl Fn(Window, [usize; 2]) -> bool) -> Array2<bool> {
     let range = |k: usize, count: usize| k.saturating_sub(reach)..(k + reach + 1).min(count);
     Array2::from_shape_fn(dim, |(v, u)| value([range(v, dim.0), range(u, dim.1)], [v, u]))
+}
+
+/// Pixels whose surroundings are found again in their row.
+fn repetitive(albedo: &ArrayView3<f32>, valid: &Array2<bool>, textureless: &Array2<bool>) -> Array2<bool> {
+    let (rows, columns) = valid.dim();
+    let is_same =
+        |[y, x]: [usize; 2], other: usize| (0..3).all(|c| (albedo[[y, x, c]] - albedo[[y, other, c]]).abs() < SAME);
+    let is_in = |v: usize, u: usize| {
+        let fits = |x: usize| (PATTERN..columns.saturating_sub(PATTERN)).contains(&x);
+        if !(PATTERN..rows.saturating_sub(PATTERN)).contains(&v) || !fits(u) || !valid[[v, u]] || textureless[[v, u]] {
+            return false;
+        }
+        // What is the same beside itself, such as stripes along the row, does not repeat.
+        let found = |shift: isize| {
+            fits(u.wrapping_add_signed(shift))
+                && (v - PATTERN..=v + PATTERN)
+                    .all(|y| (u - PATTERN..=u + PATTERN).all(|x| is_same([y, x], x.wrapping_add_signed(shift))))
+        };
+        let beside = PATTERN.div_ceil(2) as isize;
+        !found(beside)
+            && !found(-beside)
+            && REPEATED.map(|shift| shift as isize).any(|shift| found(shift) || found(-shift))
+    };
+    let lines: Vec<Vec<bool>> =
+        (0..rows).into_par_iter().map(|v| (0..columns).map(|u| is_in(v, u)).collect()).collect();
+    Array2::from_shape_fn((rows, columns), |(v, u)| lines[v][u])
 }
 
 fn every(window: &Window, holds: impl Fn(usize, usize) -> bool) -> bool {
@@ -223,6 +296,28 @@ mod tests {
         assert_eq!(row("fine"), "............", "nothing farther is on its right");
         assert_eq!(row("fine_surrounding"), "............");
         assert_eq!(row("reflective"), "............");
+        assert_eq!(row("slanted"), "#####.......", "the disparity of the other does not change");
+        assert_eq!(row("repetitive"), "............", "no pixel has 9 x 9 around it");
         assert!(masks.iter().any(|(name, mask)| *name == "reflective" && mask[[0, 3]]));
+    }
+
+    /// Dots every 10 px, on the right side noise, and stripes along the rows below.
+    #[test]
+    fn patterns_are_found_again_in_their_rows() {
+        let mut state = 1_u32;
+        let albedo = Array3::from_shape_fn((40, 90, 3), |(v, u, _)| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            match (v, u) {
+                (20.., _) => (v % 5) as f32 / 5.0,
+                (_, 60..) => (state >> 16) as f32 / 65_536.0,
+                _ => f32::from(u8::from(u % 10 < 3 && v % 10 < 3)),
+            }
+        });
+        let all = Array2::from_elem((40, 90), true);
+        let found = repetitive(&albedo.view(), &all, &Array2::from_elem((40, 90), false));
+        assert!(found[[10, 30]] && found[[9, 12]]);
+        assert!(!found[[10, 75]], "noise");
+        assert!(!found[[30, 30]], "stripes");
+        assert!(!repetitive(&albedo.view(), &!&all, &all)[[10, 30]]);
     }
 }

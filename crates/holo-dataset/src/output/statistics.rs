@@ -29,6 +29,8 @@ pub struct Statistics {
     pub hit: Option<f64>,
     /// The part of the pixels of the central view that every view sees.
     pub seen_by_all_views: Option<f64>,
+    /// The part of the pixels of the central view in each of its masks, by its name.
+    pub masks: BTreeMap<String, f64>,
 }
 
 /// Statistics of integers with the sRGB curve, as parts of the largest integer, by channel.
@@ -91,6 +93,7 @@ impl Statistics {
             depth_m,
             hit: (pixels > 0).then(|| depths.len() as f64 / pixels as f64),
             seen_by_all_views: visibility.map(all_views),
+            masks: BTreeMap::new(),
         }
     }
 
@@ -116,6 +119,12 @@ impl Statistics {
             depth_m: three("depth-m"),
             hit: number("hit"),
             seen_by_all_views: number("seen-by-all-views"),
+            masks: match table.get("masks") {
+                Some(ManifestValue::Table(masks)) => {
+                    masks.iter().filter_map(|(name, part)| Some((name.clone(), part.as_f64()?))).collect()
+                }
+                _ => BTreeMap::new(),
+            },
         }
     }
 
@@ -131,6 +140,7 @@ impl Statistics {
     fn values(&self) -> impl Iterator<Item = (&'static str, ManifestValue)> {
         let three = |values: [f64; 3]| ManifestValue::List(values.map(ManifestValue::Float).to_vec());
         let (color, error, number) = (self.color, self.error, ManifestValue::Float);
+        let masks = self.masks.iter().map(|(name, part)| (name.clone(), number(*part))).collect();
         [
             ("color-mean", color.map(|color| three(color.mean))),
             ("color-deviation", color.map(|color| three(color.deviation))),
@@ -140,6 +150,7 @@ impl Statistics {
             ("depth-m", self.depth_m.map(three)),
             ("hit", self.hit.map(number)),
             ("seen-by-all-views", self.seen_by_all_views.map(number)),
+            ("masks", (!self.masks.is_empty()).then_some(ManifestValue::Table(masks))),
         ]
         .into_iter()
         .filter_map(|(name, value)| Some((name, value?)))
@@ -161,6 +172,7 @@ impl Statistics {
             "depth_m": self.depth_m,
             "hit": number(self.hit),
             "seen_by_all_views": number(self.seen_by_all_views),
+            "masks": self.masks,
         })
     }
 }
@@ -250,6 +262,7 @@ mod tests {
             depth_m: Some([0.5, 1.0, 2.0]),
             hit: Some(0.75),
             seen_by_all_views: None,
+            masks: BTreeMap::from([("fine".to_owned(), 0.25), ("valid".to_owned(), 1.0)]),
         };
         let mut manifest = Manifest::default();
         statistics.write_to(&mut manifest);

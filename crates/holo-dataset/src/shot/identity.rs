@@ -1,7 +1,7 @@
 //! What identifies a shot in its manifest, and what the manifest says beside it.
 
 use holo_io::{CameraArray, CameraFile, Manifest, ManifestValue, Sha256};
-use holo_render::{Denoise, Integrator, Rendered, Request, Reuse};
+use holo_render::{Denoise, Integrator, Layer, Rendered, Request, Reuse};
 
 use super::engine::ENGINE;
 use super::prepare::{Prepared, Stage};
@@ -18,6 +18,9 @@ pub(super) fn of(source: &SceneSource, settings: &RenderSettings, backend: &str)
     to_manifest(settings, &mut manifest);
     let mut set = |key: &str, value: ManifestValue| drop(manifest.settings.insert(key.into(), value));
     set("scene_sha256", source.sha256()?.to_string().into());
+    if let SceneSource::Recipe(drawing) = source {
+        set("recipe", drawing.recipe().name().into());
+    }
     if let Sky::Map(path) = &settings.light.sky {
         set("sky_sha256", holo_io::hash_file(path)?.sha256.to_string().into());
     }
@@ -150,6 +153,13 @@ pub(super) fn describe(
     set("bit-depth", u32::from(settings.output.bit_depth).into());
     set("layers", wanted.names(rendered).into());
     set("ground-truth", word(&request.ground_truth).into());
+    if let Some(attempt) = stage.attempt {
+        set("attempt", ManifestValue::from(attempt as usize));
+    }
+    if wanted.masks || rendered.central.set().contains(Layer::ObjectId) {
+        let names = stage.loaded.scene.instances.iter().map(|instance| instance.name.clone().into());
+        set("objects", ManifestValue::List(names.collect()));
+    }
     manifest
 }
 

@@ -12,11 +12,12 @@ use holo_scene::gltf::Loaded;
 use holo_scene::{Camera as SceneCamera, CameraProjection, Scene, Transform};
 
 use super::engine::report_backend;
+use super::memory::{validate_memory, validate_raw_memory};
 use super::source::SceneSource;
 use super::viewpoint;
 use super::{ground, sky};
 use crate::Error;
-use crate::output::{Wanted, is_room};
+use crate::output::Wanted;
 use crate::settings::{
     Camera, EngineSettings, Focus, Output, Pixels, RenderSettings, RigSettings, SceneSettings, Sky, Spacing,
 };
@@ -34,6 +35,8 @@ pub struct Stage {
     pub loaded: Loaded,
     /// Whether the scene has no light sources and got the soft sky of [`Sky::Automatic`].
     pub has_automatic_sky: bool,
+    /// Of a scene of a recipe: how many before it were of no use.
+    pub attempt: Option<u64>,
     /// Wall-clock time of reading the scene, s.
     pub load_seconds: f64,
 }
@@ -72,9 +75,9 @@ impl Stage {
         diagnostics: &dyn Diagnostics,
     ) -> Result<Self, Error> {
         let start = Instant::now();
-        let mut loaded = load(source, scene, diagnostics)?;
+        let (mut loaded, attempt) = load(source, scene, diagnostics)?;
         let has_automatic_sky = sky.map_or(Ok(false), |wanted| sky::add(wanted, &mut loaded.scene, diagnostics))?;
-        Ok(Self { loaded, has_automatic_sky, load_seconds: start.elapsed().as_secs_f64() })
+        Ok(Self { loaded, has_automatic_sky, attempt, load_seconds: start.elapsed().as_secs_f64() })
     }
 
     /// Prepares the scene for cameras at any pose.
@@ -247,7 +250,8 @@ impl Setup<'_> {
     pub fn next_frame(&self, frame: u32, rig: &Rig, pose: usize) -> Result<(Scene, Transform, Rig), Error> {
         let mut scene = self.settings.scene.clone();
         scene.frames = Some(crate::settings::Frames::one(frame));
-        let stage = Stage { loaded: load(self.source, &scene, &())?, has_automatic_sky: false, load_seconds: 0.0 };
+        let (loaded, attempt) = load(self.source, &scene, &())?;
+        let stage = Stage { loaded, has_automatic_sky: false, attempt, load_seconds: 0.0 };
         let Placed::Views(framed) = self.place(&stage, pose, &())? else {
             return Err(Error::BadRequest("motion is of views, and a raw image has none".into()));
         };
@@ -312,21 +316,32 @@ impl SceneSource {
     }
 }
 
-/// Loads a scene and reports its warnings.
-fn load(source: &SceneSource, scene: &SceneSettings, diagnostics: &dyn Diagnostics) -> Result<Loaded, Error> {
+/// Loads a scene and reports its warnings; with the number of the attempt of one that is drawn.
+fn load(
+    source: &SceneSource,
+    scene: &SceneSettings,
+    diagnostics: &dyn Diagnostics,
+) -> Result<(Loaded, Option<u64>), Error> {
     if scene.frames.is_some_and(|frames| frames.single().is_none()) {
         return Err(Error::BadRequest("`frame` is of several images here; give one".into()));
     }
-    let mut loaded = source.load(scene).map_err(|e| match e {
-        holo_scene::Error::Read { .. } => Error::Failed(e.to_string()),
+    let loaded = |error| match error {
+        holo_scene::Error::Read { .. } => Error::Failed(error.to_string()),
         other => Error::Failed(named(source.path(), &other.to_string())),
-    })?;
+    };
+    let (mut loaded, attempt) = match source {
+        SceneSource::Recipe(drawing) => {
+            let (scene, attempt) = drawing.draw()?;
+            (Loaded::from(scene), Some(attempt))
+        }
+        other => (other.load(scene).map_err(loaded)?, None),
+    };
     loaded.warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
     if scene.ground {
         keep_view(&mut loaded.scene)?;
         ground::add(&mut loaded.scene)?;
     }
-    Ok(loaded)
+    Ok((loaded, attempt))
 }
 
 /// Half of what a plenoptic camera sees at a distance of 1.
@@ -474,80 +489,6 @@ fn blame(scene: &Path, sky: &Sky, error: holo_render::Error) -> Error {
 fn named(path: &Path, message: &str) -> String {
     let name = path.display().to_string();
     if message.starts_with(&format!("{name}: ")) { message.into() } else { format!("{name}: {message}") }
-}
-
-/// Allocates the memory that a render needs and frees it untouched, so that impossible sizes are refused first.
-fn validate_memory(shape: &LightFieldShape, settings: &RenderSettings, wanted: &Wanted) -> Result<(), Error> {
-    /// Room for tables over the rows and columns of lenses and views.
-    const LINE_BYTES: usize = 64;
-    let (views, lenses, raw) = (shape.views(), shape.lenses(), shape.raw_size());
-    let lines = [views.rows, views.columns, lenses.rows, lenses.columns];
-    let [sample_bytes, lens_bytes] = memory(settings, wanted);
-    let bytes = lines.iter().map(|count| count.saturating_mul(LINE_BYTES)).fold(
-        shape.sample_count().saturating_mul(sample_bytes).saturating_add(lenses.count().saturating_mul(lens_bytes)),
-        usize::saturating_add,
-    );
-    if !is_room(bytes) {
-        return Err(Error::OutOfMemory(format!(
-            "a light field of {} x {} views of {} x {} px ({} x {} in all) needs {:.0} GB of memory, more than there \
-             is; use fewer views or lenses",
-            views.columns,
-            views.rows,
-            lenses.columns,
-            lenses.rows,
-            raw.columns,
-            raw.rows,
-            bytes as f64 / 1e9
-        )));
-    }
-    Ok(())
-}
-
-/// The same for the raw image of a plenoptic camera.
-fn validate_raw_memory(size: GridSize, settings: &RenderSettings, wanted: &Wanted) -> Result<(), Error> {
-    let bytes = size.count().saturating_mul(raw_memory(settings, wanted));
-    if is_room(bytes) {
-        return Ok(());
-    }
-    Err(Error::OutOfMemory(format!(
-        "a raw image of {} x {} px needs {:.0} GB of memory, more than there is; use a smaller sensor",
-        size.columns,
-        size.rows,
-        bytes as f64 / 1e9
-    )))
-}
-
-/// What is known of a pixel beside its color: how far its samples disagree, its disparity, their number.
-const GUIDES: usize = 3;
-
-/// The memory that a raw image needs of every pixel, bytes.
-fn raw_memory(settings: &RenderSettings, wanted: &Wanted) -> usize {
-    /// Weight, hits, mean and spread of the inverse depth.
-    const STATISTICS: usize = 4;
-    /// The samples of a pixel, and the microlens that owns it.
-    const SOURCE: usize = 8;
-    // The white image is always computed.
-    let white = 1;
-    let color = if wanted.integrator == holo_render::Integrator::Depth { 0 } else { 3 };
-    let is_denoised = settings.light.denoise == holo_render::Denoise::Views;
-    let has_guides = color > 0 && (is_denoised || wanted.error);
-    let statistics = usize::from(has_guides || wanted.raw.iter().any(|layer| layer.needs_samples())) * STATISTICS;
-    let guides = if has_guides { GUIDES + SOURCE } else { 0 };
-    // In rounds the values of all packets stay in memory. Some packets have fewer pixels than lanes.
-    let is_in_rounds = has_guides && is_denoised && settings.light.target_error.is_some();
-    let rounds = if is_in_rounds { (color + GUIDES + STATISTICS) * 5 / 4 } else { 0 };
-    let error = usize::from(wanted.error || is_in_rounds);
-    (white + color + statistics + guides + rounds + error + wanted.central.channels()) * size_of::<f32>()
-}
-
-/// The memory that a render needs: of every sample of the light field, and of every pixel of the central view, bytes.
-fn memory(settings: &RenderSettings, wanted: &Wanted) -> [usize; 2] {
-    let light = &settings.light;
-    let color = if wanted.integrator == holo_render::Integrator::Depth { 0 } else { 3 };
-    let is_denoised = light.denoise == holo_render::Denoise::Views;
-    let error = usize::from(wanted.error || is_denoised && light.target_error.is_some());
-    let guides = if color > 0 && (is_denoised || wanted.error) { GUIDES + error } else { 0 };
-    [color + guides + wanted.all.channels(), wanted.central.channels()].map(|floats| floats * size_of::<f32>())
 }
 
 /// The numbers of views and microlenses of a rig, at a pose with a size of its own or at that of the scene.

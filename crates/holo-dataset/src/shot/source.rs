@@ -1,12 +1,14 @@
-//! The sources of scenes: files and the gallery.
+//! The sources of scenes: files, the gallery, and recipes.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use holo_io::Sha256;
-use holo_scene::gallery;
 use holo_scene::gltf::{self, LoadOptions, Loaded};
+use holo_scene::recipe::Recipe;
+use holo_scene::{Scene, gallery};
 
+use super::drawn;
 use crate::Error;
 use crate::settings::SceneSettings;
 
@@ -19,6 +21,46 @@ pub enum SceneSource {
     Gallery(&'static str, Arc<[u8]>),
     /// A `.glb` in memory, with a name for messages and files.
     Memory(String, Arc<[u8]>),
+    /// A scene of a recipe, which is drawn when it is loaded.
+    Recipe(Drawing),
+}
+
+/// A scene of a recipe: the same wherever it is drawn.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    recipe: Arc<Recipe>,
+    seed: u64,
+    number: u64,
+    /// Its number, of six digits.
+    name: String,
+}
+
+impl Drawing {
+    /// Scene `number` of a recipe and a seed.
+    #[must_use]
+    pub fn new(recipe: Arc<Recipe>, seed: u64, number: u64) -> Self {
+        Self { recipe, seed, number, name: format!("{number:06}") }
+    }
+
+    /// The recipe.
+    #[must_use]
+    pub fn recipe(&self) -> &Recipe {
+        &self.recipe
+    }
+
+    /// The seed of all scenes.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Draws the scene, and returns how often it was drawn before because it was of no use: empty, hidden, flat or dark.
+    ///
+    /// # Errors
+    /// [`Error::Render`] if it cannot be rendered.
+    pub fn draw(&self) -> Result<(Scene, u64), Error> {
+        drawn::draw(&self.recipe, self.seed, self.number)
+    }
 }
 
 impl SceneSource {
@@ -48,6 +90,7 @@ impl SceneSource {
             Self::File(path) => path,
             Self::Gallery(name, _) => Path::new(name),
             Self::Memory(name, _) => Path::new(name),
+            Self::Recipe(drawing) => Path::new(&drawing.name),
         }
     }
 
@@ -65,6 +108,14 @@ impl SceneSource {
         Ok(match self {
             Self::File(path) => holo_io::hash_file(path)?.sha256,
             Self::Gallery(_, glb) | Self::Memory(_, glb) => Sha256::of(glb),
+            // What the scene follows from.
+            Self::Recipe(Drawing { recipe, seed, number, .. }) => {
+                let mut text = format!("holo recipe scene 1\n{seed} {number}\n{}", recipe.text());
+                for file in recipe.files() {
+                    text += &format!("\n{}", holo_io::hash_file(file)?.sha256);
+                }
+                Sha256::of(text.as_bytes())
+            }
         })
     }
 
@@ -78,6 +129,10 @@ impl SceneSource {
             Self::File(path) => gltf::load_with(path, &settings.load_options()),
             Self::Gallery(_, glb) => gltf::load_slice_with(glb, &settings.times()),
             Self::Memory(_, glb) => gltf::load_slice_with(glb, &settings.load_options()),
+            Self::Recipe(drawing) => match drawing.draw() {
+                Ok((scene, _)) => Ok(scene.into()),
+                Err(why) => Err(holo_scene::Error::BadScene { at: drawing.name.clone(), what: why.to_string() }),
+            },
         }
     }
 }

@@ -52,6 +52,8 @@ pub struct DatasetIndex {
     pub cameras: Vec<DatasetCamera>,
     /// The poses of every scene; `None` where the cameras stand where those of the scenes do.
     pub poses: Option<DatasetPoses>,
+    /// What the scenes were drawn from; `None` if they are files or built in.
+    pub recipe: Option<DatasetRecipe>,
     /// How to read the files, one sentence a topic.
     pub conventions: BTreeMap<String, String>,
     /// SPDX identifier of the license of the images.
@@ -91,6 +93,17 @@ pub struct DatasetPoses {
     pub up: String,
 }
 
+/// The recipe of a dataset whose scenes were drawn; its text is `recipe.toml` beside the index.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DatasetRecipe {
+    /// Its name.
+    pub name: String,
+    /// The seed of the scenes.
+    pub seed: u64,
+    /// The number of scenes.
+    pub count: usize,
+}
+
 /// The keys in the order in which they are written.
 #[derive(Serialize, Deserialize)]
 struct Document {
@@ -108,6 +121,8 @@ struct Document {
     cameras: Vec<CameraEntry>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     poses: Option<DatasetPoses>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    recipe: Option<DatasetRecipe>,
     #[serde(default)]
     conventions: BTreeMap<String, String>,
 }
@@ -182,6 +197,7 @@ impl DatasetIndex {
             shapes,
             cameras,
             poses: self.poses.clone(),
+            recipe: self.recipe.clone(),
             conventions: self.conventions.clone(),
         };
         let text = serde_json::to_string_pretty(&document);
@@ -265,6 +281,7 @@ fn parse(bytes: &[u8], path: &Path) -> Result<DatasetIndex, Error> {
         scenes: document.scenes,
         cameras,
         poses: document.poses,
+        recipe: document.recipe,
         conventions: document.conventions,
         license: document.license,
     })
@@ -287,6 +304,9 @@ mod tests {
         };
         let text = good.to_json().unwrap();
         assert_eq!(DatasetIndex::from_json(&text).unwrap(), good);
+        let recipe = Some(DatasetRecipe { name: "mixed".into(), seed: u64::MAX, count: 1 });
+        let drawn = DatasetIndex { recipe, ..good.clone() };
+        assert_eq!(DatasetIndex::from_json(&drawn.to_json().unwrap()).unwrap(), drawn);
         for (from, to) in [("\"a\"", "\"../a\""), ("\"a\"", "\"a/b\""), ("\"rows\": 2", "\"rows\": 0"), ("{", "[")] {
             let damaged = text.replacen(from, to, 1);
             assert_ne!(damaged, text);

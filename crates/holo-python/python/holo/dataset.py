@@ -71,7 +71,13 @@ class Job:
     def masks(self) -> dict[str, np.ndarray]:
         """The masks of `write=["masks"]` by name, such as "occluded": bool, axes (row, column)."""
         files = sorted((self.path / "masks").glob("*.png"))
-        return {file.stem: read_image(file) > 0 for file in files}
+        return {file.stem: read_image(file) > 0 for file in files if file.stem != "objects"}
+
+    @property
+    def objects(self) -> np.ndarray:
+        """The number of the object that each pixel of the central view sees, from 1; 0 where nothing is hit. Of
+        `write=["masks"]`; `manifest["settings"]["objects"]` has the names, from number 1."""
+        return read_image(self.path / "masks" / "objects.png")
 
     @property
     def manifest(self) -> dict[str, Any]:
@@ -89,6 +95,40 @@ def run_command(words: Sequence[str]) -> None:
     if done.returncode != 0:
         said = [line.removeprefix("holo: ") for line in done.stderr.splitlines() if line.startswith(("holo: ", "error: "))]
         raise (UsageError if done.returncode == 2 else Error)("\n".join(said) or done.stderr.strip())
+
+
+def _words(
+    out: str | os.PathLike,
+    views: Sequence[int | tuple[int, int]] | None,
+    cameras: Sequence[str | os.PathLike],
+    preset: str | None,
+    threads: int,
+    settings: dict[str, Any],
+) -> list[str]:
+    """What `holo dataset` and `holo generate` have in common, as words of a command line."""
+    words = ["--out", os.fspath(out), "--quiet"]
+    if views is not None:
+        words += ["--views", ",".join(text_of("views", count) for count in views)]
+    if cameras:
+        words += ["--camera-file", ",".join(os.fspath(camera) for camera in cameras)]
+    if preset is not None:
+        words += ["--preset", preset]
+    if threads:
+        words += ["--threads", str(threads)]
+    for name, text in texts_of(settings).items():
+        words += [f"--{name}"] if text == "true" else [] if text == "false" else [f"--{name}={text}"]
+    return words
+
+
+def _run(words: Sequence[str], executor: Executor | None, parts: int | None) -> None:
+    """Runs a command, in parts if there is an executor."""
+    if executor is not None:
+        count = parts or getattr(executor, "_max_workers", None) or 8
+        futures = [executor.submit(run_command, [*words, "--shard", f"{k + 1}/{count}"]) for k in range(count)]
+        for future in futures:
+            future.result()
+    # Finds the jobs done, and writes what describes them all.
+    run_command(words)
 
 
 class Dataset(Sequence["Job"]):
@@ -156,28 +196,43 @@ class Dataset(Sequence["Job"]):
             with ProcessPoolExecutor(2) as pool:
                 dataset = holo.Dataset.render("out", scenes=["garden", "chess"], views=[20], executor=pool, spp=4)
         """
-        words = ["dataset", "--out", os.fspath(out), "--quiet"]
+        words = ["dataset"]
         if scenes is not None:
             words += ["--scenes", ",".join(scenes) or "none"]
         if glb:
             words += ["--glb", ",".join(os.fspath(path) for path in glb)]
-        if views is not None:
-            words += ["--views", ",".join(text_of("views", count) for count in views)]
-        if cameras:
-            words += ["--camera-file", ",".join(os.fspath(camera) for camera in cameras)]
-        if preset is not None:
-            words += ["--preset", preset]
-        if threads:
-            words += ["--threads", str(threads)]
-        for name, text in texts_of(settings).items():
-            words += [f"--{name}"] if text == "true" else [] if text == "false" else [f"--{name}={text}"]
-        if executor is not None:
-            count = parts or getattr(executor, "_max_workers", None) or 8
-            futures = [executor.submit(run_command, [*words, "--shard", f"{k + 1}/{count}"]) for k in range(count)]
-            for future in futures:
-                future.result()
-        # Finds the jobs done, and writes what describes them all.
-        run_command(words)
+        words += _words(out, views, cameras, preset, threads, settings)
+        _run(words, executor, parts)
+        return cls(out)
+
+    @classmethod
+    def generate(
+        cls,
+        out: str | os.PathLike,
+        *,
+        count: int,
+        recipe: str | os.PathLike = "mixed",
+        views: Sequence[int | tuple[int, int]] | None = None,
+        cameras: Sequence[str | os.PathLike] = (),
+        preset: str | None = None,
+        executor: Executor | None = None,
+        parts: int | None = None,
+        threads: int = 0,
+        **settings: Any,
+    ) -> Dataset:
+        """Draws scenes from a recipe and renders them into a folder, as `holo generate` does, and opens it. What is complete
+        there is kept, so that a larger count adds scenes.
+
+        count: the number of scenes; they are called "000000" and so on.
+        recipe: "mixed", "hci-like", "thin-and-slanted", "specular", "plenoptic-raw", or a file (TOML) of your own.
+        views, cameras, preset, executor, parts, threads: as of `render`; 9 x 9 views by default.
+        settings: those of `holo generate`, `_` for `-`; `seed` is that of the scenes and of their samples.
+
+            dataset = holo.Dataset.generate("out", count=100, recipe="hci-like", preset="clean", seed=1)
+        """
+        words = ["generate", "--count", str(count), "--recipe", os.fspath(recipe)]
+        words += _words(out, views, cameras, preset, threads, settings)
+        _run(words, executor, parts)
         return cls(out)
 
     def __len__(self) -> int:

@@ -1,4 +1,5 @@
-//! Contact sheets: all scenes with one camera, in the order of the dataset, five in a row.
+//! Contact sheets: all scenes with one camera, in the order of the dataset, five in a row. Of more than a hundred scenes, every
+//! second, third and so on, so that there are at most a hundred.
 //!
 //! A tile is the central view, enlarged by a whole number or reduced, above a part of the middle of the raw image at its
 //! real size. Of a plenoptic camera the raw image takes the place of the central view.
@@ -17,6 +18,9 @@ use crate::watch::{About, Diagnostics};
 
 /// Tiles in a row.
 const COLUMNS: usize = 5;
+
+/// More scenes are not on a sheet.
+const MOST: usize = 100;
 
 /// The largest side of the view of a tile, px: that of a view of Table I with 20 x 20 views.
 const TILE_SIDE: u32 = 397;
@@ -39,7 +43,12 @@ pub(in super::super) fn size(camera: &DatasetCamera, scenes: usize) -> (u32, u32
         DatasetCamera::Plenoptic { size, .. } => (*size, *size),
     };
     let (width, height) = scaled_size((upper.columns as u32, upper.rows as u32));
-    sheet_size(scenes, (width, height + GAP / 2 + RAW_HEIGHT.min(raw.rows as u32)))
+    sheet_size(scenes.div_ceil(step(scenes)), (width, height + GAP / 2 + RAW_HEIGHT.min(raw.rows as u32)))
+}
+
+/// Every so many scenes one is on the sheet.
+fn step(scenes: usize) -> usize {
+    scenes.div_ceil(MOST).max(1)
 }
 
 /// Writes `contact_sheet_<camera>.png` of the images of one camera, unless it is newer than all of them. Returns whether
@@ -55,7 +64,8 @@ pub(super) fn write(
         return Ok(true);
     }
     let mut sheet: Option<(RgbImage, (u32, u32))> = None;
-    for (k, record) in records.iter().enumerate() {
+    let shown: Vec<&Record> = records.iter().step_by(step(records.len())).copied().collect();
+    for (k, record) in shown.iter().enumerate() {
         let tile = root.sub(&record.folder).and_then(|folder| match camera {
             DatasetCamera::Rig(_) => read_tile(&folder),
             DatasetCamera::Plenoptic { .. } => read_raw_tile(&folder, record),
@@ -69,7 +79,7 @@ pub(super) fn write(
             }
         };
         let (sheet, size) = sheet.get_or_insert_with(|| {
-            let (width, height) = sheet_size(records.len(), tile.dimensions());
+            let (width, height) = sheet_size(shown.len(), tile.dimensions());
             (RgbImage::from_pixel(width, height, Rgb([255; 3])), tile.dimensions())
         });
         let [column, row] = [k % COLUMNS, k / COLUMNS].map(|place| place as u32);

@@ -79,7 +79,7 @@ pub(in super::super) fn first_names() -> String {
 }
 
 /// All fields, in the order of the table.
-static FIELDS: [Field; 34] = [
+static FIELDS: [Field; 41] = [
     field("folder", TEXT, "Folder of the light field, relative to the dataset", |r| r.folder.as_str().into()),
     field("scene", TEXT, "Name of the scene", |r| r.scene.as_str().into()),
     field("split", TEXT, "train or test; a scene is in one of them with all its cameras, poses and frames", |r| {
@@ -112,6 +112,20 @@ static FIELDS: [Field; 34] = [
     of_rigs("seen_by_all_views", FLOAT, "Part of the pixels of the central view that every view sees", |r| {
         number(r.statistics.seen_by_all_views)
     }),
+    of_rigs(
+        "occluded",
+        FLOAT,
+        "Part of the pixels of the central view that a quarter of the views or more do not see",
+        |r| r.mask("occluded"),
+    ),
+    of_rigs("discontinuity", FLOAT, "Part of the same that lies near a jump of the disparity", |r| {
+        r.mask("discontinuity")
+    }),
+    of_rigs("fine", FLOAT, "Part of the same that is narrow, before something farther", |r| r.mask("fine")),
+    of_rigs("slanted", FLOAT, "Part of the same on planes that are slanted", |r| r.mask("slanted")),
+    of_rigs("textureless", FLOAT, "Part of the same without texture", |r| r.mask("textureless")),
+    of_rigs("repetitive", FLOAT, "Part of the same whose texture is found again in its row", |r| r.mask("repetitive")),
+    of_rigs("reflective", FLOAT, "Part of the same that mirrors light or lets it pass", |r| r.mask("reflective")),
     of_rigs("baseline_mm", FLOAT, "Distance between horizontally adjacent views", |r| {
         r.rig(|rig| meters_to_millimeters(rig.baseline_x_m()))
     }),
@@ -186,6 +200,11 @@ impl Record {
     /// A finite number of the rig.
     fn rig(&self, of: impl Fn(&Rig) -> f64) -> Value {
         number(self.manifest.rig.as_ref().map(of))
+    }
+
+    /// The part of the pixels in a mask.
+    fn mask(&self, name: &str) -> Value {
+        number(self.statistics.masks.get(name).copied())
     }
 
     fn depth_m(&self, k: usize) -> Value {
