@@ -12,13 +12,13 @@ use crate::output::Statistics;
 
 /// The properties: a scene has one if at least this part of its central view is in a mask.
 const PROPERTIES: [(&str, &str, f64); 7] = [
-    ("thin", "fine", 0.01),
-    ("occluding", "occluded", 0.02),
+    ("thin", "fine", 0.05),
+    ("occluding", "occluded", 0.1),
     ("slanted", "slanted", 0.1),
-    ("textureless", "textureless", 0.1),
-    ("repetitive", "repetitive", 0.05),
-    ("reflective", "reflective", 0.03),
-    ("foliage", "discontinuity", 0.3),
+    ("textureless", "textureless", 0.3),
+    ("repetitive", "repetitive", 0.01),
+    ("reflective", "reflective", 0.1),
+    ("foliage", "discontinuity", 0.4),
 ];
 
 /// Two scenes are near-duplicates if so many of 64 differences between places of their disparity maps have another sign, or

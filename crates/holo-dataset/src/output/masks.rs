@@ -6,7 +6,7 @@
 //! | `occluded` | a quarter of the views or more do not see the point: it is hidden, or beyond their images |
 //! | `discontinuity` | within two pixels of a jump of the disparity by more than 0.1 px between neighbors |
 //! | `slanted` | planes along which the disparity changes by more than 0.01 px from pixel to pixel |
-//! | `repetitive` | the albedo around, 9 x 9, differs, and is found again in its row, 6 to 48 px away |
+//! | `repetitive` | the albedo around, 9 x 9, is found again in its row, 6 to 48 px away, within 0.03 on the mean, and not beside itself |
 //! | `textureless` | the albedo of the pixels around, 5 x 5, differs by less than 0.02 in every channel |
 //! | `reflective` | the surface mirrors light or lets it pass ([`holo_scene::Material::is_reflective`]) |
 //! | `plane` | all pixels around, 3 x 3, have normals within 0.1 degrees, and no jump |
@@ -69,10 +69,10 @@ const FINE_PX: usize = 8;
 /// A plane is slanted if its disparity changes by more, px from pixel to pixel.
 const SLANT_PX: f32 = 0.01;
 
-/// How far pixels belong to a pattern, how far away it is found again, and how much its albedo may differ there.
+/// How far pixels belong to a pattern, how far away it is found again, and how much its albedo may differ there, on the mean.
 const PATTERN: usize = 4;
 const REPEATED: Range<usize> = 6..49;
-const SAME: f32 = 0.02;
+const SAME: f32 = 0.03;
 
 /// Writes all masks: 8-bit PNGs, 255 where a pixel belongs to the mask. Returns the part of the pixels in each.
 pub(super) fn write(
@@ -159,23 +159,33 @@ fn around(dim: (usize, usize), reach: usize, value: impl Fn(Window, [usize; 2]) 
 /// Pixels whose surroundings are found again in their row.
 fn repetitive(albedo: &ArrayView3<f32>, valid: &Array2<bool>, textureless: &Array2<bool>) -> Array2<bool> {
     let (rows, columns) = valid.dim();
-    let is_same =
-        |[y, x]: [usize; 2], other: usize| (0..3).all(|c| (albedo[[y, x, c]] - albedo[[y, other, c]]).abs() < SAME);
+    let side = 2 * PATTERN + 1;
+    // Whether the surroundings differ by less than a bound from those in the same row, on the mean.
+    let is_like = |[v, u]: [usize; 2], other: usize, bound: f32| {
+        let most = bound * (3 * side * side) as f32;
+        let mut sum = 0.0;
+        (v - PATTERN..=v + PATTERN).all(|y| {
+            for k in 0..side {
+                let (here, there) = (u - PATTERN + k, other - PATTERN + k);
+                sum += (0..3).map(|c| (albedo[[y, here, c]] - albedo[[y, there, c]]).abs()).sum::<f32>();
+            }
+            sum < most
+        })
+    };
     let is_in = |v: usize, u: usize| {
         let fits = |x: usize| (PATTERN..columns.saturating_sub(PATTERN)).contains(&x);
         if !(PATTERN..rows.saturating_sub(PATTERN)).contains(&v) || !fits(u) || !valid[[v, u]] || textureless[[v, u]] {
             return false;
         }
-        // What is the same beside itself, such as stripes along the row, does not repeat.
-        let found = |shift: isize| {
-            fits(u.wrapping_add_signed(shift))
-                && (v - PATTERN..=v + PATTERN)
-                    .all(|y| (u - PATTERN..=u + PATTERN).all(|x| is_same([y, x], x.wrapping_add_signed(shift))))
+        let found = |shift: isize, bound: f32| {
+            let other = u.wrapping_add_signed(shift);
+            fits(other) && is_like([v, u], other, bound)
         };
+        // What is nearly the same beside itself, such as stripes along the row, does not repeat.
         let beside = PATTERN.div_ceil(2) as isize;
-        !found(beside)
-            && !found(-beside)
-            && REPEATED.map(|shift| shift as isize).any(|shift| found(shift) || found(-shift))
+        !found(beside, 2.0 * SAME)
+            && !found(-beside, 2.0 * SAME)
+            && REPEATED.map(|shift| shift as isize).any(|shift| found(shift, SAME) || found(-shift, SAME))
     };
     let lines: Vec<Vec<bool>> =
         (0..rows).into_par_iter().map(|v| (0..columns).map(|u| is_in(v, u)).collect()).collect();

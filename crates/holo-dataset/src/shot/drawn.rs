@@ -22,7 +22,8 @@ const NEAR: f64 = 0.12;
 /// The inverse depths, from the 5th to the 95th of a hundred, differ by at least this part of their median.
 const RANGE: f64 = 0.05;
 
-/// At most this share of the pixels has less than a hundredth of the light of the brightest tenth.
+/// At most this share of the pixels has less than a hundredth of the light of the brightest fiftieth: exposure would leave them
+/// black.
 const DARK: f64 = 0.6;
 
 /// Draws a scene: the first that is of use, and the number of its attempt.
@@ -63,7 +64,7 @@ fn is_of_use(scene: &Scene) -> Result<bool, Error> {
     let samples = color.samples();
     let mut lights: Vec<f32> = samples.lanes(ndarray::Axis(4)).into_iter().map(|rgb| rgb.sum()).collect();
     lights.sort_by(f32::total_cmp);
-    let bright = ordered(&lights, 0.9);
+    let bright = ordered(&lights, 0.98);
     let dark = lights.iter().filter(|light| **light < 0.01 * bright).count() as f64;
     Ok(bright > 0.0 && bright.is_finite() && dark <= DARK * pixels)
 }

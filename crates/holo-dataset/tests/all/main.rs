@@ -2,6 +2,7 @@
 
 mod checkpoints;
 mod matrix;
+mod recipes;
 mod settings;
 
 use std::collections::BTreeMap;

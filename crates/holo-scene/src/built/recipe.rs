@@ -231,16 +231,22 @@ impl Recipe {
     /// Draws scene `number`. If it is of no use, `attempt` 1 is the next, and so on.
     #[must_use]
     pub fn scene(&self, seed: u64, number: u64, attempt: u64) -> Scene {
-        let random = Random::of(&[SCENE, seed, number, attempt]);
+        let random = self.random(&[SCENE, seed, number, attempt]);
         let mut composition = Composition::new(&self.parts, &self.models, random);
         layout::build(&mut composition);
         composition.finish()
     }
 
+    /// Numbers of this recipe alone: scenes of two recipes with one seed have nothing in common.
+    fn random(&self, numbers: &[u64]) -> Random {
+        let name = self.parts.name.bytes().map(u64::from);
+        Random::of(&name.chain(numbers.iter().copied()).collect::<Vec<_>>())
+    }
+
     /// Draws the settings of scene `number`: names and texts.
     #[must_use]
     pub fn settings(&self, seed: u64, number: u64) -> Vec<(String, String)> {
-        let mut random = Random::of(&[SETTINGS, seed, number]);
+        let mut random = self.random(&[SETTINGS, seed, number]);
         self.parts.settings.iter().map(|(key, texts)| (key.clone(), texts.pick(&mut random))).collect()
     }
 }

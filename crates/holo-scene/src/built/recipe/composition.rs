@@ -79,7 +79,8 @@ impl<'a> Composition<'a> {
             let random = &mut self.random;
             // Evenly in inverse depth, as disparities are.
             let depth = 1.0 / random.between(1.0 / space.far, 1.0 / space.near);
-            let radius = 0.5 * self.recipe.objects.size.log(random) * 2.0 * self.view.slope * depth;
+            // The image is two slopes wide at a depth of 1.
+            let radius = self.recipe.objects.size.log(random) * self.view.slope * depth;
             let (x, y) = (random.between(-1.0, 1.0), random.between(-1.0, 1.0));
             let mut center = self.view.point(depth, x, y);
             if let Rest::Floor(height) = space.rest {

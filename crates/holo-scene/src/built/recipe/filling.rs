@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::composition::{Composition, Rest, Space};
 use super::objects::{self, Body, Shape};
 use super::surface;
-use crate::{Mesh, Transform};
+use crate::Transform;
 
 /// Adds objects to a space.
 pub(super) fn fill(c: &mut Composition, space: &Space) {
@@ -24,20 +24,21 @@ pub(super) fn object(c: &mut Composition, center: DVec3, radius: f64, rest: Rest
         // A folder without models has none.
         if !c.models.is_empty() {
             let number = c.random.index(c.models.len());
+            let pose = standing(c.models.lowest(number), pose, radius, rest);
             c.models.add(number, &mut c.studio, &pose);
         }
         return;
     }
     let Body { mesh, is_closed } = objects::body(kind, &mut c.random);
     let material = if kind == Shape::Plant { surface::leaf(c) } else { surface::material(c, is_closed) };
-    let pose = standing(&mesh, pose, radius, rest);
+    let lowest = mesh.positions.iter().map(|p| f64::from(p[1])).fold(f64::INFINITY, f64::min);
+    let pose = standing(lowest, pose, radius, rest);
     c.studio.add(kind.name(), mesh, material, pose);
 }
 
-/// Lets the lowest point of a mesh stand on the floor.
-fn standing(mesh: &Mesh, pose: Transform, radius: f64, rest: Rest) -> Transform {
+/// Lets what has its lowest point at this height of its unit ball stand on the floor.
+fn standing(lowest: f64, pose: Transform, radius: f64, rest: Rest) -> Transform {
     let Rest::Floor(height) = rest else { return pose };
-    let lowest = mesh.positions.iter().map(|p| f64::from(p[1])).fold(f64::INFINITY, f64::min);
     let mut translation = pose.translation;
     // A little above it: faces of two objects must not lie on each other.
     translation[1] = height - lowest.max(-1.0) * radius + 1e-4 * radius;

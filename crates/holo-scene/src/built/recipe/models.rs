@@ -28,6 +28,8 @@ struct Model {
     /// The ball around it.
     center: DVec3,
     radius: f64,
+    /// The height of its lowest point in that ball, from -1.
+    lowest: f64,
 }
 
 impl Models {
@@ -42,7 +44,7 @@ impl Models {
             let (low, high) = (DVec3::from(low), DVec3::from(high));
             let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
             if radius > 0.0 {
-                out.list.push(Model { scene, center, radius });
+                out.list.push(Model { scene, center, radius, lowest: (low.y - center.y) / radius });
             }
         }
         for path in images.map_or(Ok(Vec::new()), |folder| files(folder, &["png", "jpg", "jpeg"]))? {
@@ -60,9 +62,14 @@ impl Models {
         self.list.len()
     }
 
+    /// The height of the lowest point of a model in its unit ball.
+    pub fn lowest(&self, number: usize) -> f64 {
+        self.list[number].lowest
+    }
+
     /// Adds a model in the unit ball of a pose: its meshes with materials and textures, without lights.
     pub fn add(&self, number: usize, studio: &mut Studio, pose: &Transform) {
-        let Model { scene, center, radius } = &self.list[number];
+        let Model { scene, center, radius, .. } = &self.list[number];
         let textures: Vec<usize> = scene.textures.iter().map(|texture| studio.texture(texture.clone())).collect();
         let materials: Vec<usize> = scene
             .materials

@@ -154,6 +154,15 @@ fn recipes_use_models_and_images_of_ones_own() {
     let of_model = |name: &str| plaster.instances.iter().any(|instance| instance.name == name);
     assert!(scene.instances.iter().any(|instance| of_model(&instance.name)));
     assert!(scene.textures.iter().any(|texture| (texture.width, texture.height) == (5, 3)));
+    // On a table models stand: something reaches down to the floor, which is at 0, and nothing below.
+    let (before, after) = text.split_once("[layouts]").unwrap();
+    let after = after.split_once("[camera]").unwrap().1;
+    let table = folder.path().join("table.toml");
+    std::fs::write(&table, format!("{before}[layouts]\ntable = 1\n[camera]{after}")).unwrap();
+    let mut scene = Recipe::open(&table).unwrap().scene(5, 1, 0);
+    scene.instances.retain(|instance| of_model(&instance.name) && !["floor", "wall"].contains(&&*instance.name));
+    let low = scene.bounds().unwrap().0[1];
+    assert!((0.0..1e-3).contains(&low), "{low}");
     // What is broken is named.
     std::fs::write(folder.path().join("models/broken.glb"), "glTF").unwrap();
     assert!(Recipe::open(&path).is_err());
