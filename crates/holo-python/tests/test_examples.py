@@ -33,6 +33,37 @@ def test_readme(tmp_path, monkeypatch):
     assert holo.open(tmp_path / "garden.h5").views == (9, 9)
 
 
+def test_training(tmp_path):
+    pytest.importorskip("torch")
+    import runpy
+
+    import numpy as np
+
+    train = runpy.run_path(str(HERE.parent.parent / "examples" / "training" / "train.py"))
+    # A texture at a disparity of 1 px: turned and reflected, it still moves by its disparity in all four directions.
+    texture = np.random.default_rng(1).random((40, 40))
+    v, u = np.mgrid[8:32, 8:32]
+    steps = np.arange(9) - 4
+    ways = [(0 * steps, steps), (steps, 0 * steps), (steps, steps), (-steps, steps)]
+    views = np.stack([np.stack([texture[v + t, u + s] for t, s in zip(*way)]) for way in ways])
+    for number in range(8):
+        part, _ = train["turned"](views, np.ones((24, 24)), number)
+        for stream, way in zip(part, ways):
+            for view, t, s in zip(stream, *way):
+                inner = stream[4][4 + t : 20 + t, 4 + s : 20 + s]
+                np.testing.assert_array_equal(view[4:20, 4:20], inner)
+    folder = tmp_path / "set"
+    holo.Dataset.generate(folder, count=2, recipe="hci-like", lenses=(64, 64), spp=1, integrator="direct", seed=1)
+    words = [str(folder), "--test", str(folder), "--out", str(tmp_path / "model"), "--minutes"]
+    train["main"]([*words, "0.05"])
+    first = (tmp_path / "model" / "curve.csv").read_text().splitlines()
+    train["main"]([*words, "0.1"])
+    lines = (tmp_path / "model" / "curve.csv").read_text().splitlines()
+    # It goes on where it stopped.
+    assert lines[: len(first)] == first and int(lines[-1].split(",")[0]) > int(first[-1].split(",")[0])
+    assert len((tmp_path / "model" / "scores.csv").read_text().splitlines()) == 3
+
+
 def test_torch_dataset(tmp_path):
     pytest.importorskip("torch")
     import runpy
