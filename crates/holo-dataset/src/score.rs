@@ -243,7 +243,7 @@ impl Maps<'_> {
         Array2::from_shape_fn(self.truth.dim(), |(v, u)| 0.5 * (of([v, column]) + of([v, u])))
     }
 
-    /// The percentage of dots, the connected parts of a region, of which half of the pixels or more are far off.
+    /// The percentage of missed dots. A dot is a connected part of the region, and missed if half of its pixels are far off.
     fn missed(&self, region: &Region) -> Result<f64, CoreError> {
         let Some(mask) = region.mask else { return Ok(f64::NAN) };
         let dots = connected(mask);
@@ -328,12 +328,22 @@ fn enlarge(map: ArrayView2<f32>, (rows, columns): (usize, usize)) -> Array2<f32>
     Array2::from_shape_fn((rows, columns), |(v, u)| map[[near(v, rows, own_rows), near(u, columns, own_columns)]])
 }
 
-/// Reads the masks of the regions of a map, for [`MapScoring::regions`]. They lie in `masks/` beside the map or in the folder
+/// Reads the masks of the regions of a map, for [`MapScoring::regions`]: those of files, and those of a stratified scene.
+///
+/// # Errors
+/// [`Error::Io`] if one of them cannot be read.
+pub fn region_masks(map: &Path, dim: (usize, usize)) -> Result<Vec<RegionMask>, Error> {
+    let mut out = mask_files(map, dim)?;
+    out.extend(Objects::read(map, dim)?.iter().flat_map(Objects::regions));
+    Ok(out)
+}
+
+/// Reads the masks of regions that are files. They lie in `masks/` beside the map or in the folder
 /// above, or beside the map under the names of the HCI benchmark. Masks of another size are left out.
 ///
 /// # Errors
 /// [`Error::Io`] if one of them cannot be read.
-pub fn region_masks(map: &Path, (rows, columns): (usize, usize)) -> Result<Vec<RegionMask>, Error> {
+pub(crate) fn mask_files(map: &Path, (rows, columns): (usize, usize)) -> Result<Vec<RegionMask>, Error> {
     let folder = map.parent().unwrap_or(Path::new(""));
     let mut out = Vec::new();
     for (name, of_hci) in REGIONS {
@@ -348,9 +358,6 @@ pub fn region_masks(map: &Path, (rows, columns): (usize, usize)) -> Result<Vec<R
                 break;
             }
         }
-    }
-    if let Some(objects) = Objects::read(map, (rows, columns))? {
-        out.extend(objects.regions());
     }
     Ok(out)
 }
@@ -438,7 +445,7 @@ mod tests {
         let (spike, side) = (100..110, 512);
         let truth =
             Array2::from_shape_fn((20, side), |(_, u)| if u < 50 || spike.contains(&u) { 1.0_f32 } else { 0.0 });
-        // Half of the spike is lost; beside it are two columns that are too near, and one that is not near enough.
+        // The estimate loses five of the ten columns of the spike. Two columns beside it are too near; a third is not.
         let mut estimate = truth.clone();
         estimate.columns_mut().into_iter().enumerate().for_each(|(u, mut column)| match u {
             100..105 => column.fill(0.49),

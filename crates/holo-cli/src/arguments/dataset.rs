@@ -45,15 +45,15 @@ pub struct GenerateOptions {
     /// The number of scenes, named by six digits from 000000.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub count: u64,
-    /// What scenes are drawn from: mixed, hci-like, thin-and-slanted, specular, plenoptic-raw, or a file (TOML) of your own.
-    /// A set has the text of its recipe in recipe.toml.
+    /// The recipe: mixed, hci-like, thin-and-slanted, specular, plenoptic-raw, or your own TOML file.
+    /// The set keeps its text in recipe.toml.
     #[arg(long, value_name = "NAME|FILE", default_value = "mixed")]
     pub recipe: String,
     #[command(flatten)]
     pub collection: CollectionOptions,
 }
 
-/// What scenes are rendered with, and where to.
+/// The options of both commands: output folder, cameras, settings.
 #[derive(Args, Clone, Debug)]
 pub struct CollectionOptions {
     /// Folder for the dataset; created if missing. What is complete in it is not rendered again.

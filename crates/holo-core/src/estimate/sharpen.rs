@@ -89,7 +89,7 @@ impl Around<'_> {
     }
 }
 
-/// The smallest value that has half of the weight up to it. Changes the order of the values, of which there is one at least.
+/// Returns the smallest value such that it and all smaller values have half of the weight. Reorders `values`, which are not empty.
 fn weighted_median(mut values: &mut [(f32, u32)]) -> f32 {
     let weight_of = |values: &[(f32, u32)]| values.iter().map(|(_, weight)| weight).sum::<u32>();
     let mut half = weight_of(values).div_ceil(2);

@@ -195,7 +195,7 @@ impl DecodeJob {
     /// Depth and disparity of the central view, if there is a scene.
     fn truth(&self, decoded: &Decoded, diagnostics: &dyn Diagnostics) -> Result<Layers<Array3<f32>>, Error> {
         let Some(scene) = &self.scene else { return Ok(Layers::default()) };
-        let stage = Stage::load(scene, &self.settings.scene, None, diagnostics)?;
+        let stage = Stage::load(scene, &self.settings.scene, None, &self.engine, diagnostics)?;
         let slopes = half_view(&self.camera.camera);
         let framed = pose_of_scene(scene, &stage.loaded, (&self.settings.scene, slopes), diagnostics)?;
         // A rotated array sees a rotated scene.

@@ -149,7 +149,7 @@ impl DatasetPlan {
         &self.jobs
     }
 
-    /// Creates the root folder and writes `dataset.json`, `DATASET.md` and of several poses `transforms.json` into it:
+    /// Creates the root folder and writes `dataset.json`, `DATASET.md`, of several poses `transforms.json` and of drawn scenes `recipe.toml` into it:
     /// before the jobs, so that an unfinished dataset can be verified too.
     ///
     /// # Errors
@@ -159,9 +159,11 @@ impl DatasetPlan {
     pub fn describe(&self, root: &Path, diagnostics: &dyn Diagnostics, rollback: &Rollback) -> Result<(), Error> {
         let backend = engine_name(&self.engine, diagnostics)?;
         let folder = OutputFolder::create_plain(root, rollback)?;
-        if let Some(SceneSource::Recipe(drawing)) = self.renders.first().map(|render| &render.source) {
-            write_recipe(folder.folder(), drawing.recipe().text())?;
-        }
+        let recipe = match self.renders.first().map(|render| &render.source) {
+            Some(SceneSource::Recipe(drawing)) => Some(drawing.recipe().text()),
+            _ => None,
+        };
+        let has_recipe = recipe.map_or(Ok(true), |text| has_recipe(folder.folder(), text))?;
         let mut entries = Vec::with_capacity(self.jobs.len());
         let mut digest = (usize::MAX, String::new());
         for job in &self.jobs {
@@ -184,6 +186,9 @@ impl DatasetPlan {
         // Every light field has its own.
         options.remove("views");
         index::write(folder.folder(), &entries, (self.poses(), self.recipe()), (&options, &backend))?;
+        if let (Some(text), false) = (recipe, has_recipe) {
+            holo_io::write_file(folder.folder().file(RECIPE), text.as_bytes())?;
+        }
         if let Poses::Array { cameras, up } = &self.settings.poses {
             poses::write(folder.folder(), cameras, *up, self.settings.camera.size())?;
         }
@@ -239,8 +244,8 @@ const RECIPE: &str = "recipe.toml";
 /// the samples of a scene is `seed` plus its number.
 ///
 /// # Errors
-/// [`Error::BadRequest`] if the recipe has a setting that does not exist, or of another kind of camera than `base`, or settings
-/// exclude each other.
+/// [`Error::BadRequest`] if the recipe has a setting or a property that does not exist, or settings exclude each other;
+/// [`Error::Io`] if a file of the recipe cannot be read. Settings of rigs do not concern other cameras.
 pub fn drawn(
     recipe: &Arc<Recipe>,
     (seed, count): (u64, u64),
@@ -254,22 +259,21 @@ pub fn drawn(
             return Err(Error::BadRequest(format!("`recipe`: {name} in [shares] is no property; they are {known}")));
         }
     }
-    let draw = |number| {
+    let of = |drawing: Drawing| {
         let mut own = Given::default();
-        for (key, text) in recipe.settings(seed, number) {
+        for (key, text) in recipe.settings(seed, drawing.number()) {
             let is_of_rig = Setting::by_key(&key).is_some_and(|setting| setting.group() == Group::Rig);
-            own.insert(&key, text)?;
             // Plenoptic cameras are what their files say.
-            if is_of_rig && base.camera.rig().is_none() {
-                own.remove(&key);
+            if !is_of_rig || base.camera.rig().is_some() {
+                own.insert(&key, text)?;
             }
         }
         let mut settings = base.clone();
         settings.apply(&given.clone().over(own))?;
-        settings.light.seed = seed.wrapping_add(number);
-        Ok((SceneSource::Recipe(Drawing::new(Arc::clone(recipe), seed, number)), settings))
+        settings.light.seed = seed.wrapping_add(drawing.number());
+        Ok((SceneSource::Recipe(drawing), settings))
     };
-    (0..count).map(draw).collect()
+    Drawing::first(recipe, seed, count)?.map(of).collect()
 }
 
 /// The names of lists of the gallery's scenes, in place of scenes: of the paper's dataset, and the stratified ones.
@@ -298,15 +302,16 @@ pub fn sources(names: Option<&[String]>, files: &[PathBuf]) -> Result<Vec<SceneS
     Ok(sources)
 }
 
-/// Writes the recipe of a set, unless it lies there.
-fn write_recipe(root: &Folder, text: &str) -> Result<(), Error> {
+/// Whether the recipe of a set lies in its root. Another one there is an error.
+fn has_recipe(root: &Folder, text: &str) -> Result<bool, Error> {
     if root.kind(RECIPE)?.is_none() {
-        holo_io::write_file(root.file(RECIPE), text.as_bytes())?;
-    } else if root.read(RECIPE, text.len() as u64 + 1).ok().as_deref() != Some(text.as_bytes()) {
+        return Ok(false);
+    }
+    if root.read(RECIPE, text.len() as u64 + 1).ok().as_deref() != Some(text.as_bytes()) {
         let path = root.path_of(RECIPE);
         return Err(Error::Failed(format!("{}: another recipe; give an empty `out`", path.display())));
     }
-    Ok(())
+    Ok(true)
 }
 
 /// Checks that every scene has a unique folder.

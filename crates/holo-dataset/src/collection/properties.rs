@@ -45,7 +45,7 @@ struct Digest {
 }
 
 impl SetProperties {
-    /// Reads the finished folders of a dataset. Folders without masks are left out.
+    /// Reads the finished folders of a dataset, of several cameras those of the first. Folders without masks are left out.
     ///
     /// # Errors
     /// [`Error::Io`] if `dataset.json` or a manifest cannot be read.
@@ -85,9 +85,12 @@ impl SetProperties {
     #[must_use]
     pub fn beyond(&self, recipe: &Recipe) -> Vec<(String, f64, [f64; 2])> {
         let mut out = Vec::new();
+        if self.scenes == 0 {
+            return out;
+        }
         for (name, [low, high]) in recipe.shares() {
             let Some((_, share)) = self.shares.iter().find(|(known, _)| *known == name) else { continue };
-            let slack = |bound: f64| 2.0 * (bound * (1.0 - bound) / self.scenes.max(1) as f64).sqrt();
+            let slack = |bound: f64| 2.0 * (bound * (1.0 - bound) / self.scenes as f64).sqrt();
             if *share < low - slack(low) || *share > high + slack(high) {
                 out.push((name.to_owned(), *share, [low, high]));
             }

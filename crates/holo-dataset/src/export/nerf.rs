@@ -143,8 +143,8 @@ pub(super) fn write_field(
     finish(out, inner, &cameras, &points, lists)
 }
 
-/// The camera of a view. It stands in the plane of the rig and looks along -Z. Its principal point is where a point of the focus
-/// plane has the same pixel in every view.
+/// Returns the camera of a view, in the plane of the rig, which looks along -Z. By its principal point, every view sees a point of
+/// the focus plane at the same pixel.
 fn camera_of_view(rig: &Rig, t: usize, s: usize) -> PosedCamera {
     let (x, y, per_m) = (rig.view_x_m(s), rig.view_y_m(t), rig.inverse_focus_per_m());
     PosedCamera {

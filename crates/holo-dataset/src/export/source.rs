@@ -11,7 +11,7 @@ use ndarray::Array2;
 
 use crate::Error;
 use crate::describe::{is_dataset, shots_of};
-use crate::score::{Objects, RegionMask, read_mask, region_masks};
+use crate::score::{Objects, RegionMask, mask_files, read_mask};
 
 /// A light field that is not read yet.
 pub(super) struct SourceField {
@@ -34,7 +34,7 @@ pub(super) struct LoadedField {
     pub depth_m: Option<Array2<f32>>,
     /// What the central view hits.
     pub hits: Option<Array2<bool>>,
-    /// Regions of the central view.
+    /// Regions of the central view that are files.
     pub regions: Vec<RegionMask>,
     /// What the central view sees, if the scene is a stratified one.
     pub objects: Option<Objects>,
@@ -118,7 +118,7 @@ impl SourceField {
         };
         let size = depth_m.as_ref().map(|depth| depth.dim());
         let map = self.path.join(DISPARITY_PFM);
-        let regions = size.map_or(Ok(Vec::new()), |size| region_masks(&map, size))?;
+        let regions = size.map_or(Ok(Vec::new()), |size| mask_files(&map, size))?;
         let objects = size.map_or(Ok(None), |size| Objects::read(&map, size))?;
         let read = reader.read()?;
         let rig = read.rig;

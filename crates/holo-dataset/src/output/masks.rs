@@ -15,7 +15,7 @@
 //! | `fine_surrounding` | at most 4 px from something fine, and farther by a jump |
 //!
 //! Beside them lies `objects.png`: the number of the object that a pixel hits, from 1, 16 bits; 0 where nothing is hit. The
-//! manifest has the names in this order, `objects`. Scenes of more than 65,535 objects have none.
+//! manifest has the names in this order, `objects`, up to 4 MiB of them. Scenes of more than 65,535 objects have no such file.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -156,11 +156,11 @@ fn around(dim: (usize, usize), reach: usize, value: impl Fn(Window, [usize; 2]) 
     Array2::from_shape_fn(dim, |(v, u)| value([range(v, dim.0), range(u, dim.1)], [v, u]))
 }
 
-/// Pixels whose surroundings are found again in their row.
+/// Pixels whose neighborhood is found again in their row.
 fn repetitive(albedo: &ArrayView3<f32>, valid: &Array2<bool>, textureless: &Array2<bool>) -> Array2<bool> {
     let (rows, columns) = valid.dim();
     let side = 2 * PATTERN + 1;
-    // Whether the surroundings differ by less than a bound from those in the same row, on the mean.
+    // Whether the neighborhood differs by less than a bound from another in the same row, on the mean.
     let is_like = |[v, u]: [usize; 2], other: usize, bound: f32| {
         let most = bound * (3 * side * side) as f32;
         let mut sum = 0.0;

@@ -1,11 +1,12 @@
 //! Scenes of recipes: drawn again until one is of use.
 
 use holo_core::{GridSize, LightFieldShape};
-use holo_render::{Backend, Framing, Integrator, Layer, Request, World};
+use holo_render::{Framing, Integrator, Layer, Request, World};
 use holo_scene::Scene;
 use holo_scene::recipe::Recipe;
 
 use crate::Error;
+use crate::settings::EngineSettings;
 
 /// How often a scene is drawn. Of a recipe whose scenes are hardly ever of use, the last one is taken.
 const ATTEMPTS: u64 = 16;
@@ -27,11 +28,11 @@ const RANGE: f64 = 0.05;
 const DARK: f64 = 0.6;
 
 /// Draws a scene: the first that is of use, and the number of its attempt.
-pub(super) fn draw(recipe: &Recipe, seed: u64, number: u64) -> Result<(Scene, u64), Error> {
+pub(super) fn draw(recipe: &Recipe, seed: u64, number: u64, engine: &EngineSettings) -> Result<(Scene, u64), Error> {
     let mut attempt = 0;
     loop {
         let scene = recipe.scene(seed, number, attempt);
-        if attempt + 1 == ATTEMPTS || is_of_use(&scene)? {
+        if attempt + 1 == ATTEMPTS || is_of_use(&scene, engine)? {
             return Ok((scene, attempt));
         }
         attempt += 1;
@@ -39,8 +40,8 @@ pub(super) fn draw(recipe: &Recipe, seed: u64, number: u64) -> Result<(Scene, u6
 }
 
 /// Whether a scene is seen, neither flat nor hidden nor dark.
-fn is_of_use(scene: &Scene) -> Result<bool, Error> {
-    let world = World::new(scene, Backend::default(), None)?;
+fn is_of_use(scene: &Scene, engine: &EngineSettings) -> Result<bool, Error> {
+    let world = World::new(scene, engine.backend, engine.threads)?;
     let shape = LightFieldShape::new(GridSize::new(1, 1), GridSize::new(SIDE, SIDE))?;
     let framed = Framing::new(shape).frame(scene)?;
     let renderer = world.at(&framed.pose)?;

@@ -10,6 +10,9 @@ use crate::Error;
 use crate::output::Wanted;
 use crate::settings::{Camera, Frames, Poses, RenderSettings, Sky, number_of_samples, to_manifest, word};
 
+/// The names of more objects are left out of manifests, bytes.
+const MOST_BYTES_OF_NAMES: usize = 4 << 20;
+
 /// Returns what identifies a job: digests of scene, sky, camera and poses, its settings, and versions.
 pub(super) fn of(source: &SceneSource, settings: &RenderSettings, backend: &str) -> Result<Manifest, Error> {
     let mut manifest = Manifest { seed: settings.light.seed, ..Manifest::default() };
@@ -157,8 +160,12 @@ pub(super) fn describe(
         set("attempt", ManifestValue::from(attempt as usize));
     }
     if wanted.masks || rendered.central.set().contains(Layer::ObjectId) {
-        let names = stage.loaded.scene.instances.iter().map(|instance| instance.name.clone().into());
-        set("objects", ManifestValue::List(names.collect()));
+        let instances = &stage.loaded.scene.instances;
+        // A manifest that is too long could not be read again.
+        if instances.iter().map(|instance| instance.name.len() + 8).sum::<usize>() <= MOST_BYTES_OF_NAMES {
+            let names = instances.iter().map(|instance| instance.name.clone().into());
+            set("objects", ManifestValue::List(names.collect()));
+        }
     }
     manifest
 }

@@ -72,10 +72,11 @@ impl Stage {
         source: &SceneSource,
         scene: &SceneSettings,
         sky: Option<&Sky>,
+        engine: &EngineSettings,
         diagnostics: &dyn Diagnostics,
     ) -> Result<Self, Error> {
         let start = Instant::now();
-        let (mut loaded, attempt) = load(source, scene, diagnostics)?;
+        let (mut loaded, attempt) = load(source, scene, engine, diagnostics)?;
         let has_automatic_sky = sky.map_or(Ok(false), |wanted| sky::add(wanted, &mut loaded.scene, diagnostics))?;
         Ok(Self { loaded, has_automatic_sky, attempt, load_seconds: start.elapsed().as_secs_f64() })
     }
@@ -133,7 +134,7 @@ impl Setup<'_> {
     pub fn stage(&self, diagnostics: &dyn Diagnostics) -> Result<Stage, Error> {
         let light = &self.settings.light;
         let sees_light = light.sky != Sky::Automatic || self.wanted.integrator != holo_render::Integrator::Depth;
-        Stage::load(self.source, &self.settings.scene, sees_light.then_some(&light.sky), diagnostics)
+        Stage::load(self.source, &self.settings.scene, sees_light.then_some(&light.sky), self.engine, diagnostics)
     }
 
     /// Prepares the camera at the pose of this number; of a job without poses at that of the scene's camera.
@@ -250,7 +251,7 @@ impl Setup<'_> {
     pub fn next_frame(&self, frame: u32, rig: &Rig, pose: usize) -> Result<(Scene, Transform, Rig), Error> {
         let mut scene = self.settings.scene.clone();
         scene.frames = Some(crate::settings::Frames::one(frame));
-        let (loaded, attempt) = load(self.source, &scene, &())?;
+        let (loaded, attempt) = load(self.source, &scene, self.engine, &())?;
         let stage = Stage { loaded, has_automatic_sky: false, attempt, load_seconds: 0.0 };
         let Placed::Views(framed) = self.place(&stage, pose, &())? else {
             return Err(Error::BadRequest("motion is of views, and a raw image has none".into()));
@@ -309,7 +310,7 @@ impl SceneSource {
         let settings = &of_truth;
         let wanted = Wanted::new(settings)?;
         let setup = Setup { source: self, settings, wanted: &wanted, engine, electrons: None };
-        let stage = Stage::load(self, &settings.scene, None, diagnostics)?;
+        let stage = Stage::load(self, &settings.scene, None, engine, diagnostics)?;
         let prepared = setup.prepare(&stage, &stage.world(self, &settings.light.sky, engine)?, 0, diagnostics)?;
         report_backend(&prepared.renderer, diagnostics);
         Ok((stage, prepared))
@@ -320,6 +321,7 @@ impl SceneSource {
 fn load(
     source: &SceneSource,
     scene: &SceneSettings,
+    engine: &EngineSettings,
     diagnostics: &dyn Diagnostics,
 ) -> Result<(Loaded, Option<u64>), Error> {
     if scene.frames.is_some_and(|frames| frames.single().is_none()) {
@@ -331,7 +333,7 @@ fn load(
     };
     let (mut loaded, attempt) = match source {
         SceneSource::Recipe(drawing) => {
-            let (scene, attempt) = drawing.draw()?;
+            let (scene, attempt) = drawing.draw(engine)?;
             (Loaded::from(scene), Some(attempt))
         }
         other => (other.load(scene).map_err(loaded)?, None),

@@ -10,7 +10,7 @@ use holo_scene::{Scene, gallery};
 
 use super::drawn;
 use crate::Error;
-use crate::settings::SceneSettings;
+use crate::settings::{EngineSettings, SceneSettings};
 
 /// The source of a scene. Copies share the bytes of the file: a dataset has one for each of its images.
 #[derive(Clone, Debug)]
@@ -29,6 +29,8 @@ pub enum SceneSource {
 #[derive(Clone, Debug)]
 pub struct Drawing {
     recipe: Arc<Recipe>,
+    /// The digest of the text and the files of the recipe.
+    digest: Sha256,
     seed: u64,
     number: u64,
     /// Its number, of six digits.
@@ -36,10 +38,25 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// Scene `number` of a recipe and a seed.
+    /// The scenes of a recipe and a seed, from 0 to `count - 1`. The files of the recipe are read once.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if a file of the recipe cannot be read.
+    pub fn first(recipe: &Arc<Recipe>, seed: u64, count: u64) -> Result<impl Iterator<Item = Self>, Error> {
+        let mut text = recipe.text().to_owned();
+        for file in recipe.files() {
+            text += &format!("\n{}", holo_io::hash_file(file)?.sha256);
+        }
+        let digest = Sha256::of(text.as_bytes());
+        let recipe = Arc::clone(recipe);
+        let of = move |number| Self { recipe: Arc::clone(&recipe), digest, seed, number, name: format!("{number:06}") };
+        Ok((0..count).map(of))
+    }
+
+    /// The number of the scene.
     #[must_use]
-    pub fn new(recipe: Arc<Recipe>, seed: u64, number: u64) -> Self {
-        Self { recipe, seed, number, name: format!("{number:06}") }
+    pub fn number(&self) -> u64 {
+        self.number
     }
 
     /// The recipe.
@@ -58,8 +75,8 @@ impl Drawing {
     ///
     /// # Errors
     /// [`Error::Render`] if it cannot be rendered.
-    pub fn draw(&self) -> Result<(Scene, u64), Error> {
-        drawn::draw(&self.recipe, self.seed, self.number)
+    pub fn draw(&self, engine: &EngineSettings) -> Result<(Scene, u64), Error> {
+        drawn::draw(&self.recipe, self.seed, self.number, engine)
     }
 }
 
@@ -109,12 +126,8 @@ impl SceneSource {
             Self::File(path) => holo_io::hash_file(path)?.sha256,
             Self::Gallery(_, glb) | Self::Memory(_, glb) => Sha256::of(glb),
             // What the scene follows from.
-            Self::Recipe(Drawing { recipe, seed, number, .. }) => {
-                let mut text = format!("holo recipe scene 1\n{seed} {number}\n{}", recipe.text());
-                for file in recipe.files() {
-                    text += &format!("\n{}", holo_io::hash_file(file)?.sha256);
-                }
-                Sha256::of(text.as_bytes())
+            Self::Recipe(Drawing { digest, seed, number, .. }) => {
+                Sha256::of(format!("holo recipe scene 1\n{seed} {number} {digest}").as_bytes())
             }
         })
     }
@@ -129,7 +142,7 @@ impl SceneSource {
             Self::File(path) => gltf::load_with(path, &settings.load_options()),
             Self::Gallery(_, glb) => gltf::load_slice_with(glb, &settings.times()),
             Self::Memory(_, glb) => gltf::load_slice_with(glb, &settings.load_options()),
-            Self::Recipe(drawing) => match drawing.draw() {
+            Self::Recipe(drawing) => match drawing.draw(&EngineSettings::default()) {
                 Ok((scene, _)) => Ok(scene.into()),
                 Err(why) => Err(holo_scene::Error::BadScene { at: drawing.name.clone(), what: why.to_string() }),
             },

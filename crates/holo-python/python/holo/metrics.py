@@ -35,7 +35,8 @@ def evaluate(
     mask: True where pixels are compared, axes (row, column).
     rig: adds the median angle between surface normals.
     regions: masks by name that are scored too, such as those of `Job.masks`: thinning of "fine", fattening of
-    "fine_surrounding", bumpiness and median angles of "plane" and "smooth", BadPix(0.07) of any other.
+    "fine_surrounding", bumpiness and median angles of "plane" and "smooth"; of the stratified scenes thinning of "spikes",
+    fattening of "between_spikes", the error of "boxes", missed "dots", bumpiness of "relief" and "base"; BadPix(0.07) of any other.
 
     Returns the quantities of `holo eval --json`: BadPix at 0.01, 0.03 and 0.07 px in percent, MSE x 100, Q25 x 100,
     bumpiness, mean absolute and root mean squared error in pixels, BadPix(0.07) of the best constant and of the best

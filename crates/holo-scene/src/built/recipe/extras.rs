@@ -60,19 +60,20 @@ fn fence(c: &mut Composition, space: &Space) {
     let (slant, is_mesh) = (c.random.between(-0.15, 0.15), c.random.chance(0.5));
     // Some reach over a part of the image alone.
     let (left, right) = (-1.3, c.random.between(-0.2, 1.6));
-    let material = surface::material(c, true);
+    let material = surface::material(c, false);
     let axes = DQuat::from_mat3(&glam::DMat3::from_cols(c.view.right, c.view.up, -c.view.ahead));
     let mut mesh = Mesh::default();
+    // Those of one direction lie behind those of the other.
     let mut bar = |x: f64, y: f64, turn: f64, length: f64| {
         let part = solids::rounded_box([width * unit, length * unit, width * unit], 0.3 * width * unit);
-        let center = c.view.point(depth * (1.0 + slant * x), x, y);
+        let behind = if turn > 0.0 { 1.1 * width * unit } else { 0.0 };
+        let center = c.view.point(depth * (1.0 + slant * x), x, y) + behind * c.view.ahead;
         let pose = (axes * DQuat::from_rotation_z(turn)).to_array();
         solids::join(&mut mesh, &part, &Transform::from_parts(center.to_array(), pose, [1.0; 3]));
     };
     for k in 0..count {
         let x = left + (right - left) * (f64::from(k as u32) + 0.5) / count as f64;
         match is_mesh {
-            // They meet in front of each other, as wires do.
             true => [-0.7, 0.7].into_iter().for_each(|turn| bar(x, 0.01 * turn, turn, 3.6)),
             false => bar(x, 0.0, 0.0, 3.2),
         }

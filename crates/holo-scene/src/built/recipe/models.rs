@@ -8,7 +8,7 @@ use crate::built::parts::studio::Studio;
 use crate::gltf::{self, Limits};
 use crate::{Error, Filter, Scene, Texture, TextureInfo, Transform, Wrap};
 
-/// A folder may have this many files that are used; others are left out, from the end of the alphabet.
+/// A folder may have this many files.
 const FILES: usize = 256;
 
 /// Images of models are at most this wide and high.
@@ -38,9 +38,11 @@ impl Models {
         let mut out = Self::default();
         for path in models.map_or(Ok(Vec::new()), |folder| files(folder, &["glb", "gltf"]))? {
             let scene = gltf::load(&path, &Limits::default())?.scene;
-            scene.validate()?;
             out.files.push(path);
-            let Some((low, high)) = scene.bounds() else { continue };
+            let Some((low, high)) = scene.bounds() else {
+                let at = out.files[out.files.len() - 1].display().to_string();
+                return Err(Error::BadFile { at, what: "a model has triangles, and this one has none".into() });
+            };
             let (low, high) = (DVec3::from(low), DVec3::from(high));
             let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
             if radius > 0.0 {
@@ -109,8 +111,11 @@ fn files(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>, Error> {
             out.push(path);
         }
     }
+    if out.len() > FILES {
+        let what = format!("the folder has {} files, and all are kept in memory; take {FILES} or fewer", out.len());
+        return Err(Error::BadFile { at: folder.display().to_string(), what });
+    }
     out.sort();
-    out.truncate(FILES);
     Ok(out)
 }
 
