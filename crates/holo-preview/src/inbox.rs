@@ -93,6 +93,11 @@ impl Inbox {
         waiting.look.get_or_insert(look);
     }
 
+    /// Puts the gallery back, after looks.
+    pub fn put_gallery_back(&self) {
+        self.lock().gallery = true;
+    }
+
     /// What arrives from now on cancels.
     fn watch(&self) -> Newest<'_> {
         Newest { inbox: self, version: self.version.load(Ordering::SeqCst) }
@@ -137,6 +142,12 @@ mod tests {
         inbox.put_back(look(4));
         assert_eq!(number(inbox.next()), 3);
         inbox.gallery();
+        let Some((Task::Gallery, newest)) = inbox.next() else { panic!("no gallery") };
+        // A look comes first, and the gallery is not forgotten for it.
+        inbox.look(look(5));
+        assert!(newest.cancelled());
+        inbox.put_gallery_back();
+        assert_eq!(number(inbox.next()), 5);
         assert!(matches!(inbox.next(), Some((Task::Gallery, _))));
         inbox.close();
         assert!(inbox.next().is_none());

@@ -41,11 +41,13 @@ pub(crate) struct Studio<'a> {
     events: Sender<Event>,
     /// The last scene with its key: making one of the gallery takes time.
     source: Option<(SceneSource, String)>,
+    /// How many scenes of the gallery the page shows.
+    thumbnails: usize,
 }
 
 impl<'a> Studio<'a> {
     pub fn new(preview: &'a Preview, inbox: &'a Inbox, events: Sender<Event>) -> Self {
-        Self { preview, inbox, events, source: None }
+        Self { preview, inbox, events, source: None, thumbnails: 0 }
     }
 
     /// Draws until the page is gone.
@@ -159,13 +161,10 @@ impl<'a> Studio<'a> {
         Ok((job, key))
     }
 
-    /// Draws all scenes of the gallery, small; the page shows each as it comes.
-    fn gallery(&self, newest: Newest) {
-        for name in gallery::NAMES {
-            if holo_render::Progress::cancelled(&newest) {
-                return;
-            }
-            let look = Look { scene: (*name).to_owned(), size: THUMBNAIL, ..Look::default() };
+    /// Draws the scenes of the gallery, small; the page shows each as it comes. Looks go first.
+    fn gallery(&mut self, newest: Newest) {
+        for name in gallery::all_names().skip(self.thumbnails) {
+            let look = Look { scene: name.to_owned(), size: THUMBNAIL, ..Look::default() };
             let drawn = job::scene(&look, self.preview, self.inbox)
                 .and_then(|(source, _)| job::of(&look, source, self.preview))
                 .map_err(Ended::from)
@@ -173,8 +172,9 @@ impl<'a> Studio<'a> {
             match drawn {
                 Ok(image) => self.send(Reply::with(json!({"kind": "thumbnail", "name": name}), image)),
                 Err(Ended::Failed(why)) => self.tell(0, &why),
-                Err(Ended::Newer) => return,
+                Err(Ended::Newer) => return self.inbox.put_gallery_back(),
             }
+            self.thumbnails += 1;
         }
     }
 

@@ -193,6 +193,8 @@ on('hello', (header) => {
       toggle('gallery', true);
     }
   }
+  // A page that comes back has another studio, which draws what the last one did not.
+  if (!isFirst && hasThumbnails && document.querySelector('#gallery .blank')) send({ kind: 'gallery' });
   element('render').disabled = !header.renders;
   look.onItsWay = [];
   // A small image first, as while the camera moves.
