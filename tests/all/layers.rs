@@ -114,7 +114,7 @@ fn look(scene: &Scene, pose: &Transform, rig: &Rig, [v, u, t, s]: [usize; 4]) ->
                 (Layer::MaterialId, one(mesh.material as f64 + 1.0)),
                 (Layer::HitMask, one(1.0)),
                 // The materials of the scene differ in this alone.
-                (Layer::Reflective, one(material.transmission.into())),
+                (Layer::Reflective, one(2.0 * f64::from(material.transmission))),
             ]
             .into_iter()
             .collect();

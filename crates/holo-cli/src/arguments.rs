@@ -30,7 +30,7 @@ use choices::{BACKENDS, LAYOUTS, WORLD_UPS, choice};
 use headings::{CAMERA, FILES, QUALITY, RUNNING};
 
 pub use array::{ArrayOptions, SurfaceArgument};
-pub use camera::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
+pub use camera::{CalibrateOptions, CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
 pub use choices::DemosaicArgument;
 pub use dataset::{CollectionOptions, DatasetOptions, GenerateOptions};
 pub use develop::{DemosaicOptions, DevelopOptions};
@@ -110,6 +110,8 @@ pub enum Command {
     White(WhiteOptions),
     /// Render checkerboards for the calibration of a plenoptic camera, with the exact positions of their corners.
     Target(TargetOptions),
+    /// Find the microlens array of a plenoptic camera by its white images.
+    Calibrate(CalibrateOptions),
     /// Decode the raw image of an unfocused plenoptic camera to views.
     Decode(DecodeOptions),
     /// Expose an image sensor with noise to a raw image or any other in linear light: mosaic, DNG, and the same without noise.

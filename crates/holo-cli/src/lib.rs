@@ -61,6 +61,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Camera(options) => commands::camera::run(&options),
         Command::White(options) => commands::camera::white(&options),
         Command::Target(options) => commands::camera::target(&options),
+        Command::Calibrate(options) => commands::camera::calibrate(&options),
         Command::Decode(options) => commands::camera::decode(&options),
         Command::Develop(options) => commands::develop::run(&options),
         Command::Demosaic(options) => commands::develop::demosaic(&options),

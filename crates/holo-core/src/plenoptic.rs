@@ -26,11 +26,13 @@
 //! cameras and the role of the exit pupil; Labussière et al., "Blur aware calibration of multi-focus plenoptic camera"
 //! (CVPR, 2020), for virtual depth and blur of focused ones. Both follow from the same ray here.
 
+mod calibration;
 mod camera;
 mod decode;
 mod demosaic;
 mod distortion;
 mod equivalent;
+mod lattice;
 mod lune;
 mod main_lens;
 mod microlens;
@@ -41,6 +43,7 @@ mod pupil_shape;
 mod white;
 mod white_grid;
 
+pub use calibration::{Calibration, mean_white_image};
 pub use camera::{ImageSensor, PlenopticCamera};
 pub use decode::Decoded;
 pub use distortion::Distortion;

@@ -2,6 +2,7 @@
 //!
 //! **May import:** settings, output, resume, shot.
 
+mod calibrate;
 mod decode;
 mod develop;
 mod linear_image;
@@ -10,6 +11,7 @@ mod placement;
 mod quantity;
 mod target;
 
+pub use self::calibrate::{Calibrated, KnownCamera};
 pub use self::decode::{DecodeJob, write_white_images};
 pub use self::develop::{DemosaicMethod, DevelopJob, DevelopOutput, Developed, write_demosaiced};
 pub use self::optics::{camera_optics, planned_rig, rig_optics};

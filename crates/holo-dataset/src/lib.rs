@@ -42,8 +42,8 @@ mod shot;
 mod watch;
 
 pub use camera::{
-    BoardPose, DecodeJob, DemosaicMethod, DevelopJob, DevelopOutput, Developed, NamedQuantity, Placement,
-    QuantityValue, Surface, TargetJob, camera_optics, planned_rig, read_poses, rig_optics, write_demosaiced,
+    BoardPose, Calibrated, DecodeJob, DemosaicMethod, DevelopJob, DevelopOutput, Developed, KnownCamera, NamedQuantity,
+    Placement, QuantityValue, Surface, TargetJob, camera_optics, planned_rig, read_poses, rig_optics, write_demosaiced,
     write_white_images,
 };
 pub use collection::{

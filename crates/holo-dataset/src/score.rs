@@ -7,7 +7,7 @@
 //! | curved surfaces | `smooth` | `mask_smooth_surfaces` | the same |
 //! | fine structures | `fine` | `mask_fine` | thinning |
 //! | what surrounds them | `fine_surrounding` | `mask_fine_surrounding` | fattening |
-//! | occluded, textureless, reflective, slanted, repetitive | the name | - | BadPix(0.07) |
+//! | occluded, textureless, reflective, transparent, slanted, repetitive | the name | - | BadPix(0.07) |
 //!
 //! The regions of the four stratified scenes are in `score/stratified.rs`.
 //!
@@ -47,7 +47,7 @@ const SPIKES_BACK: usize = 10;
 const SPIKES_SIDE: usize = 512;
 
 /// The regions with the names of their masks in the HCI benchmark.
-const REGIONS: [(&str, Option<&str>); 10] = [
+const REGIONS: [(&str, Option<&str>); 11] = [
     ("discontinuity", Some("mask_discontinuities")),
     ("plane", Some("mask_planes")),
     ("smooth", Some("mask_smooth_surfaces")),
@@ -56,6 +56,7 @@ const REGIONS: [(&str, Option<&str>); 10] = [
     ("occluded", None),
     ("textureless", None),
     ("reflective", None),
+    ("transparent", None),
     ("slanted", None),
     ("repetitive", None),
 ];

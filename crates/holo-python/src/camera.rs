@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use holo_core::GridSize;
-use holo_core::plenoptic::presets;
+use holo_core::plenoptic::{Calibration, presets};
 use holo_io::CameraFile;
 use ndarray::Array1;
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
@@ -77,6 +77,35 @@ impl PlenopticCamera {
         Ok(give(py, py.detach(|| self.0.camera.white_image())?))
     }
 
+    /// The same camera with the microlens array that a white image shows, and how well it does; `None` without a lattice.
+    fn calibrated<'py>(
+        &self,
+        py: Python<'py>,
+        white: PyReadonlyArray2<'py, f32>,
+    ) -> Result<Option<(Self, Fit)>, Failure> {
+        let white = white.as_array();
+        let found = py.detach(|| self.0.camera.calibrated(white))?;
+        Ok(found.map(|found| {
+            let fit = fit(&found);
+            (Self(CameraFile { camera: found.camera, ..self.0.clone() }), fit)
+        }))
+    }
+
+    /// A camera of which only the width of a pixel is known; `None` without a lattice.
+    #[staticmethod]
+    fn of_white_image<'py>(
+        py: Python<'py>,
+        white: PyReadonlyArray2<'py, f32>,
+        pixel_m: f64,
+    ) -> Result<Option<(Self, Fit)>, Failure> {
+        let white = white.as_array();
+        let found = py.detach(|| holo_core::plenoptic::PlenopticCamera::of_white_image(white, pixel_m))?;
+        Ok(found.map(|found| {
+            let (fit, name) = (fit(&found), "calibrated".to_owned());
+            (Self(CameraFile { name, camera: found.camera, is_approximate: true, sensor_noise: None }), fit)
+        }))
+    }
+
     /// The centers of the micro-images: "row", "column" and "type" of the microlenses, int32, and "x", "y" in pixels, whose
     /// centers are at 0.5, float64.
     fn micro_images<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Failure> {
@@ -144,6 +173,13 @@ impl PlenopticCamera {
         let make = py.get_type::<Self>().getattr("from_toml")?;
         Ok((make, (self.to_toml(), self.0.name.clone())))
     }
+}
+
+/// Number of micro-images, root mean square and largest distance in pixels, radii in pixels.
+type Fit = (usize, f64, f64, Vec<f64>);
+
+fn fit(found: &Calibration) -> Fit {
+    (found.count, found.rms_px, found.largest_px, found.radii_px.clone())
 }
 
 fn adjusted(mut file: CameraFile, focus_m: Option<f64>, f_number: Option<f64>) -> Result<PlenopticCamera, Failure> {

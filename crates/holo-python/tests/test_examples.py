@@ -54,10 +54,10 @@ def test_training(tmp_path):
                 np.testing.assert_array_equal(view[4:20, 4:20], inner)
     folder = tmp_path / "set"
     holo.Dataset.generate(folder, count=2, recipe="hci-like", lenses=(64, 64), spp=1, integrator="direct", seed=1)
-    words = [str(folder), "--test", str(folder), "--out", str(tmp_path / "model"), "--minutes"]
-    train["main"]([*words, "0.05"])
+    words = [str(folder), "--test", str(folder), "--out", str(tmp_path / "model"), "--steps"]
+    train["main"]([*words, "2"])
     first = (tmp_path / "model" / "curve.csv").read_text().splitlines()
-    train["main"]([*words, "0.1"])
+    train["main"]([*words, "4"])
     lines = (tmp_path / "model" / "curve.csv").read_text().splitlines()
     # It goes on where it stopped.
     assert lines[: len(first)] == first and int(lines[-1].split(",")[0]) > int(first[-1].split(",")[0])

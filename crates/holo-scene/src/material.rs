@@ -78,7 +78,13 @@ impl Material {
         let is_coated = self.clearcoat.is_some_and(|coat| coat.factor >= 0.5);
         let is_glossy = self.specular > 0.0 && self.roughness < MIRRORING;
         let mirrors = self.metallic >= 0.5 || is_coated || is_glossy || self.iridescence.is_some();
-        !self.unlit && (mirrors || self.transmission >= 0.5) || self.alpha == Alpha::Blend
+        !self.unlit && mirrors || self.is_transparent()
+    }
+
+    /// Returns whether the surface lets light pass, as glass and veils do. By the numbers of the material.
+    #[must_use]
+    pub fn is_transparent(&self) -> bool {
+        !self.unlit && self.transmission >= 0.5 || self.alpha == Alpha::Blend
     }
 }
 
@@ -348,19 +354,20 @@ mod tests {
     fn what_mirrors_or_lets_light_pass_is_reflective() {
         let plain = Material::default();
         let coat = |factor| Some(Clearcoat { factor, ..Clearcoat::default() });
-        for (is_reflective, material) in [
-            (false, plain.clone()),
-            (false, Material { specular: 1.0, roughness: 0.5, ..plain.clone() }),
-            (true, Material { specular: 1.0, roughness: 0.1, ..plain.clone() }),
-            (true, Material { metallic: 1.0, roughness: 0.9, ..plain.clone() }),
-            (true, Material { transmission: 1.0, ..plain.clone() }),
-            (true, Material { clearcoat: coat(1.0), ..plain.clone() }),
-            (false, Material { clearcoat: coat(0.1), ..plain.clone() }),
-            (true, Material { alpha: Alpha::Blend, ..plain.clone() }),
-            (false, Material { alpha: Alpha::Mask(0.5), ..plain.clone() }),
-            (false, Material { metallic: 1.0, unlit: true, ..plain }),
+        let (neither, mirrors, lets_pass) = ([false, false], [true, false], [true, true]);
+        for (expected, material) in [
+            (neither, plain.clone()),
+            (neither, Material { specular: 1.0, roughness: 0.5, ..plain.clone() }),
+            (mirrors, Material { specular: 1.0, roughness: 0.1, ..plain.clone() }),
+            (mirrors, Material { metallic: 1.0, roughness: 0.9, ..plain.clone() }),
+            (lets_pass, Material { transmission: 1.0, ..plain.clone() }),
+            (mirrors, Material { clearcoat: coat(1.0), ..plain.clone() }),
+            (neither, Material { clearcoat: coat(0.1), ..plain.clone() }),
+            (lets_pass, Material { alpha: Alpha::Blend, ..plain.clone() }),
+            (neither, Material { alpha: Alpha::Mask(0.5), ..plain.clone() }),
+            (neither, Material { metallic: 1.0, unlit: true, ..plain }),
         ] {
-            assert_eq!(material.is_reflective(), is_reflective, "{material:?}");
+            assert_eq!([material.is_reflective(), material.is_transparent()], expected, "{material:?}");
         }
     }
 }

@@ -60,6 +60,25 @@ pub struct TargetOptions {
 }
 
 #[derive(Args, Debug)]
+pub struct CalibrateOptions {
+    /// White images: EXR, or PNG or TIFF in linear light. Several have less noise than one.
+    #[arg(required = true, value_name = "WHITE")]
+    pub white: Vec<PathBuf>,
+    /// Camera file to write (TOML).
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// What is known of the camera but for its microlens array: a camera file (TOML), or a preset of `holo camera`.
+    #[arg(long, value_name = "FILE|PRESET", required_unless_present = "pixel_um", conflicts_with = "pixel_um")]
+    pub camera_file: Option<String>,
+    /// The width of a pixel, um, if nothing else is known. Depths then cannot follow from disparities.
+    #[arg(long, value_name = "UM", value_parser = parse_positive)]
+    pub pixel_um: Option<f64>,
+    /// PNG of the centers that were found, in nine windows of the white image.
+    #[arg(long, value_name = "FILE", value_parser = super::values::png)]
+    pub picture: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
 pub struct DecodeOptions {
     /// The raw image: raw.exr, or a PNG in linear light such as raw_linear.png, whose views are then relative to its
     /// brightest code; or the folder of either.

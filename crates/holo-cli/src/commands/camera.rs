@@ -1,18 +1,21 @@
-//! `holo camera`, `holo white`, `holo target`, `holo decode`: plenoptic cameras, their white images and calibration
-//! targets, and views of their raw images.
+//! `holo camera`, `holo white`, `holo calibrate`, `holo target`, `holo decode`: plenoptic cameras, their white images and
+//! calibration targets, and views of their raw images.
 
 use std::path::{Path, PathBuf};
 
-use holo_core::plenoptic::presets;
-use holo_dataset::{DecodeJob, SceneSource, TargetJob, read_poses, text, write_white_images};
-use holo_io::CameraFile;
+use holo_core::plenoptic::{MicrolensGrid, presets};
+use holo_dataset::{Calibrated, DecodeJob, KnownCamera, SceneSource, TargetJob, read_poses, text, write_white_images};
 use holo_io::dataset::{CAMERA_TOML, RAW_EXR, RAW_PNG};
+use holo_io::{CameraFile, ColorEncoding, Compression};
 
-use crate::arguments::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions, open_camera};
+use crate::arguments::{CalibrateOptions, CameraOptions, DecodeOptions, TargetOptions, WhiteOptions, open_camera};
 use crate::console::{out, say, say_unless};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::progress::Bar;
+
+/// Centers of light that are farther from those of a camera, on the mean, are of another main lens, px.
+const OTHER_LENS_PX: f64 = 0.2;
 
 pub fn run(options: &CameraOptions) -> Result<(), Failure> {
     let Some(name) = &options.name else {
@@ -32,6 +35,42 @@ pub fn white(options: &WhiteOptions) -> Result<(), Failure> {
     let camera = open_camera(&options.camera_file)?;
     let files = write_white_images(&camera, &options.f_numbers, &options.out, interrupt::rollback())?;
     say!("wrote {} to {}", files.join(", "), options.out.display());
+    Ok(())
+}
+
+pub fn calibrate(options: &CalibrateOptions) -> Result<(), Failure> {
+    let known = match (&options.camera_file, options.pixel_um) {
+        (Some(camera), _) => KnownCamera::Camera(Box::new(open_camera(camera)?)),
+        (None, pixel_um) => KnownCamera::Pixel(pixel_um.unwrap_or(1.0) * 1e-6),
+    };
+    let found = Calibrated::from_white_images(&options.white, &known)?;
+    holo_io::write_file(&options.out, found.camera.to_toml().as_bytes())?;
+    if let Some(path) = &options.picture {
+        holo_io::write_png(path, found.picture().view(), ColorEncoding::Srgb, Compression::Best)?;
+    }
+    let (fit, camera) = (&found.fit, &found.camera.camera);
+    let radii: Vec<String> = fit.radii_px.iter().map(|radius| format!("{radius:.3}")).collect();
+    say!(
+        "{}: {} micro-images, {:.4} px apart, turned by {:.4} degrees, of radius {} px\ncenters of light within {:.3} px \
+         (RMS), {:.3} px at most\nwrote {}",
+        match camera.array().grid {
+            MicrolensGrid::Square => "a square grid",
+            MicrolensGrid::HexRows => "a hexagonal grid of rows",
+            MicrolensGrid::HexColumns => "a hexagonal grid of columns",
+        },
+        fit.count,
+        camera.micro_image_pitch_px(),
+        camera.array().rotation_rad.to_degrees(),
+        radii.join(", "),
+        fit.rms_px,
+        fit.largest_px,
+        options.out.display()
+    );
+    if fit.rms_px > OTHER_LENS_PX {
+        say!(
+            "warning: the light of the micro-images lies otherwise than that of the camera: its main lens is another, or its image is blurred"
+        );
+    }
     Ok(())
 }
 

@@ -100,3 +100,42 @@ fn options_win_over_the_recipe() {
     assert!(broken.code == Some(2) && broken.stderr.contains("did you mean"), "{broken:?}");
     assert!(!bench.path("no").exists());
 }
+
+/// The microlens array of every scene is turned and moved, and its focus too: as `camera.toml` says it.
+#[test]
+fn recipes_perturb_plenoptic_cameras() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("small.toml"), crate::common::shifted_camera()).unwrap();
+    let line = "generate --count 3 --seed 5 --recipe plenoptic-raw --camera-file small.toml --spp 1 --integrator direct --quiet";
+    ok(bench.run(&format!("{line} --out set")));
+    let camera =
+        |k: u32| holo_io::CameraFile::read(bench.path(format!("set/{k:06}/small/camera.toml"))).unwrap().camera;
+    let nominal = holo_io::CameraFile::read(bench.path("small.toml")).unwrap().camera;
+    let pitch_m = nominal.array().pitch_m;
+    for k in 0..3 {
+        let own = camera(k);
+        let turned = (own.array().rotation_rad - nominal.array().rotation_rad).to_degrees();
+        assert!(turned != 0.0 && turned.abs() <= 0.2, "{turned}");
+        let moved = [0, 1].map(|axis| (own.array().offset_m[axis] - nominal.array().offset_m[axis]) / pitch_m);
+        assert!(moved[0] != moved[1] && moved.iter().all(|part| part.abs() <= 0.5), "{moved:?}");
+        assert!((own.array().pitch_m / pitch_m - 1.0).abs() <= 0.005);
+        assert_ne!(own.array(), camera((k + 1) % 3).array());
+        assert!(own.main_lens() != nominal.main_lens(), "the focus is drawn");
+    }
+    // Every scene has its own camera, which `dataset.json` knows; a resumed set has the same.
+    assert_eq!(bench.run("verify set").code, Some(0));
+    let table = std::fs::read_to_string(bench.path("set/light_fields.csv")).unwrap();
+    assert_eq!(table.lines().count(), 4, "{table}");
+    let again = ok(bench.run(&format!("{line} --out set --json")));
+    let counts: serde_json::Value = serde_json::from_str(again.stdout.lines().last().unwrap()).unwrap();
+    assert_eq!((&counts["made"], &counts["kept"]), (&0.into(), &3.into()));
+    // The camera of one scene is not that of another.
+    std::fs::remove_dir_all(bench.path("set/000001")).unwrap();
+    std::process::Command::new("cp")
+        .args(["-r", "set/000000", "set/000001"])
+        .current_dir(bench.path(""))
+        .status()
+        .unwrap();
+    let wrong = bench.run("verify set");
+    assert!(wrong.code == Some(1) && wrong.stdout.contains("another camera"), "{wrong:?}");
+}

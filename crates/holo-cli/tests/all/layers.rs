@@ -146,6 +146,7 @@ fn masks_say_which_pixels_are_hard() {
         "slanted",
         "smooth",
         "textureless",
+        "transparent",
         "valid",
     ];
     assert_eq!(bench.list("out/masks"), expected.map(|name| format!("{name}.png")));

@@ -75,6 +75,44 @@ fn raw_images_are_rendered_decoded_and_kept() {
     succeeds(&bench, "verify views");
 }
 
+/// A camera file that is wrong about the array is corrected by a white image: views are those of the true camera.
+#[test]
+fn white_images_calibrate_cameras() {
+    let bench = bench();
+    let truth = shifted_camera().replace("[120, 90]", "[600, 450]").replace("gap_um", "rotation_deg = 0.35\ngap_um");
+    let nominal = truth.replace("rotation_deg = 0.35", "").replace("71.2", "71.0").replace("[7.0, -4.0]", "[0.0, 0.0]");
+    for (name, text) in [("truth.toml", &truth), ("nominal.toml", &nominal)] {
+        std::fs::write(bench.path(name), text).unwrap();
+    }
+    succeeds(&bench, "white --camera-file truth.toml --out whites");
+    let said = succeeds(
+        &bench,
+        "calibrate whites/white.exr whites/white.png --camera-file nominal.toml --out found.toml --picture centers.png",
+    );
+    assert!(said.contains("a square grid") && said.contains("turned by 0.35"), "{said}");
+    succeeds(&bench, &format!("render {SCENE} --camera-file truth.toml --spp 1 --sky 1,1,1 --out raw"));
+    let [mixed, clean, true_views] = ["nominal", "found", "truth"].map(|camera| {
+        let line = format!("decode raw --white whites/white.exr --camera-file {camera}.toml --out views_{camera}");
+        succeeds(&bench, &line)
+    });
+    assert!(mixed.contains("warning") && !clean.contains("warning") && !true_views.contains("warning"), "{clean}");
+    let [found, truth] = ["found", "truth"]
+        .map(|name| holo_io::CameraFile::read(bench.path(format!("{name}.toml"))).unwrap().camera.array().clone());
+    assert!((found.pitch_m / truth.pitch_m - 1.0).abs() < 1e-5, "{found:?}");
+    assert!((found.rotation_rad - truth.rotation_rad).abs() < 1e-5, "{found:?}");
+    assert_eq!(crate::common::read_u8(bench.path("centers.png")).dim().2, 3);
+    // Nothing but the pixels is known.
+    succeeds(&bench, "calibrate whites/white.png --pixel-um 5 --out unknown.toml");
+    assert!(std::fs::read_to_string(bench.path("unknown.toml")).unwrap().contains("approximate = true"));
+    refused(&bench, "calibrate whites/white.png --out no.toml", "--camera-file");
+    refused(&bench, "calibrate whites/white.png --pixel-um 0 --out no.toml", "--pixel-um");
+    let no_white = bench.run("calibrate raw/raw_linear.png --camera-file small.toml --out no.toml");
+    assert!(no_white.code != Some(0) && no_white.stderr.contains("white image"), "{no_white:?}");
+    let missing = bench.run("calibrate no.png --pixel-um 5 --out no.toml");
+    assert!(missing.code == Some(1) && missing.stderr.contains("no.png"), "{missing:?}");
+    assert!(!bench.path("no.toml").exists());
+}
+
 /// Rows of pixels, each with every layer, become the same files as the whole.
 #[test]
 fn parts_of_a_raw_image_become_the_whole() {

@@ -61,6 +61,16 @@ impl LensAperture {
         }
     }
 
+    /// Returns the same shape, larger by a factor.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        match self {
+            Self::Round { radius_m } => Self::Round { radius_m: factor * radius_m },
+            Self::Square { half_width_m } => Self::Square { half_width_m: factor * half_width_m },
+            Self::Hexagon { half_width_m } => Self::Hexagon { half_width_m: factor * half_width_m },
+        }
+    }
+
     /// Returns the radius of the smallest disc that contains the aperture, in meters.
     #[must_use]
     pub fn outer_radius_m(&self) -> f64 {

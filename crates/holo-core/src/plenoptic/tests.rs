@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::*;
 use crate::{GridSize, LightFieldShape, Rig};
 
+mod calibration;
 mod real_lenses;
 mod views;
 mod white;

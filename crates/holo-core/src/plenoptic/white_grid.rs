@@ -36,6 +36,16 @@ pub struct WhiteGrid {
     pub offset_px: [f64; 2],
 }
 
+/// The displacement of a grid, linear over the sensor, in pixels to the right and down.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Displacement {
+    /// In the middle of the sensor, and per pixel to the right and down from there.
+    x: [f64; 3],
+    y: [f64; 3],
+    /// Half of the sensor.
+    middle_px: [f64; 2],
+}
+
 /// The displacement of a part of the grid.
 #[derive(Clone, Copy)]
 struct Tile {
@@ -69,11 +79,23 @@ impl PlenopticCamera {
     /// The shift theorem: a displaced grid has other phases at the two frequencies of the grid, here within windows of some
     /// micro-images around the places where the camera has one; a plane fits the displacements.
     pub fn white_grid(&self, white: ArrayView2<f32>) -> Result<Option<WhiteGrid>, Error> {
+        Ok(self.white_displacement(white)?.map(|displacement| displacement.grid()))
+    }
+
+    /// Checks that a white image has the size of the sensor.
+    pub(super) fn check_white(&self, white: ArrayView2<f32>) -> Result<(), Error> {
         let size = self.sensor().size;
-        if white.dim() != (size.rows, size.columns) {
-            let expected = vec![size.rows, size.columns];
-            return Err(Error::Shape { what: "white image", expected, found: white.shape().to_vec() });
+        if white.dim() == (size.rows, size.columns) {
+            return Ok(());
         }
+        let (expected, found) = (vec![size.rows, size.columns], white.shape().to_vec());
+        Err(Error::Shape { what: "white image", expected, found })
+    }
+
+    /// The same as the displacement itself.
+    pub(super) fn white_displacement(&self, white: ArrayView2<f32>) -> Result<Option<Displacement>, Error> {
+        self.check_white(white)?;
+        let size = self.sensor().size;
         let spacing = size.larger() as f64 / TILES as f64;
         let counts = [size.columns, size.rows].map(|count| ((count as f64 / spacing) as usize).max(1));
         let mut tiles: Vec<Vec<Option<Tile>>> = Vec::new();
@@ -181,44 +203,63 @@ impl Tile {
     }
 }
 
+impl Displacement {
+    /// The displacement at a place on the sensor.
+    pub fn at(&self, place_px: [f64; 2]) -> [f64; 2] {
+        let [x, y] = [0, 1].map(|k| place_px[k] - self.middle_px[k]);
+        [self.x, self.y].map(|[at_middle, along_x, along_y]| at_middle + along_x * x + along_y * y)
+    }
+
+    /// The scales along x and y, and the rotation, counterclockwise in the image.
+    pub fn scales_and_rotation(&self) -> ([f64; 2], f64) {
+        ([1.0 + self.x[1], 1.0 + self.y[2]], (self.x[2] - self.y[1]) / 2.0)
+    }
+
+    /// The largest displacement.
+    pub fn largest_px(&self) -> f64 {
+        let corners = [[0.0, 0.0], [0.0, 2.0], [2.0, 0.0], [2.0, 2.0]];
+        let distance = |[sx, sy]: [f64; 2]| {
+            let [dx, dy] = self.at([sx * self.middle_px[0], sy * self.middle_px[1]]);
+            dx.hypot(dy)
+        };
+        corners.into_iter().map(distance).fold(0.0, f64::max)
+    }
+
+    fn grid(&self) -> WhiteGrid {
+        let ([x, y], rotation_rad) = self.scales_and_rotation();
+        WhiteGrid {
+            largest_px: self.largest_px(),
+            scale: (x + y) / 2.0,
+            rotation_rad,
+            offset_px: self.at(self.middle_px),
+        }
+    }
+}
+
 /// The plane through the displacements, by least squares.
-fn fitted(tiles: &[Tile], size_px: [f64; 2]) -> Option<WhiteGrid> {
+fn fitted(tiles: &[Tile], size_px: [f64; 2]) -> Option<Displacement> {
     if tiles.len() < 3 {
         return None;
     }
-    let middle = size_px.map(|length| length / 2.0);
+    let middle_px = size_px.map(|length| length / 2.0);
     let mut normal = [[0.0_f64; 3]; 3];
     let mut right = [[0.0_f64; 3]; 2];
     for tile in tiles {
-        let row = [1.0, tile.place_px[0] - middle[0], tile.place_px[1] - middle[1]];
+        let row = [1.0, tile.place_px[0] - middle_px[0], tile.place_px[1] - middle_px[1]];
         for i in 0..3 {
             (0..3).for_each(|j| normal[i][j] += row[i] * row[j]);
             (0..2).for_each(|axis| right[axis][i] += row[i] * tile.shift_px[axis]);
         }
     }
     let [x, y] = right.map(|right| solved(normal, right));
-    let ([x0, xx, xy], [y0, yx, yy]) = (x?, y?);
-    let at = |px: f64, py: f64| [x0 + xx * px + xy * py, y0 + yx * px + yy * py];
+    let found = Displacement { x: x?, y: y?, middle_px };
     let off = |tile: &Tile| {
-        let expected = at(tile.place_px[0] - middle[0], tile.place_px[1] - middle[1]);
+        let expected = found.at(tile.place_px);
         (expected[0] - tile.shift_px[0]).hypot(expected[1] - tile.shift_px[1])
     };
     let mean = tiles.iter().map(off).sum::<f64>() / tiles.len() as f64;
     let step = tiles[0].steps_px.map(|[x, y]| x.hypot(y)).into_iter().fold(f64::INFINITY, f64::min);
-    if mean > 0.1 * step {
-        return None;
-    }
-    let corners = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
-    let distance = |[sx, sy]: [f64; 2]| {
-        let [dx, dy] = at(sx * middle[0], sy * middle[1]);
-        dx.hypot(dy)
-    };
-    Some(WhiteGrid {
-        largest_px: corners.into_iter().map(distance).fold(0.0, f64::max),
-        scale: 1.0 + (xx + yy) / 2.0,
-        rotation_rad: (xy - yx) / 2.0,
-        offset_px: [x0, y0],
-    })
+    (mean <= 0.1 * step).then_some(found)
 }
 
 /// The solution of three linear equations; `None` without a single one.

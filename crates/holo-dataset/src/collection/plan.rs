@@ -17,8 +17,10 @@ use crate::Error;
 use crate::describe::index::{self, Entry};
 use crate::output::{OutputFolder, Rollback, poses};
 use crate::resume::Checkpoints;
-use crate::settings::{EngineSettings, Given, Group, Poses, RenderSettings, Setting, texts};
-use crate::shot::{Drawing, RenderJob, RunOptions, Runner, SceneSource, Shot, ShotOutcome, engine_name, poses_digest};
+use crate::settings::{Camera, EngineSettings, Given, Group, Poses, RenderSettings, Setting, texts};
+use crate::shot::{
+    Drawing, RenderJob, RunOptions, Runner, SceneSource, Shot, ShotOutcome, camera_digest, engine_name, poses_digest,
+};
 use crate::watch::Diagnostics;
 
 /// The plan of a dataset: its jobs in order.
@@ -120,7 +122,10 @@ impl DatasetPlan {
         let mut first = None;
         let (mut renders, mut jobs) = (Vec::new(), Vec::new());
         for (source, settings) in scenes {
-            for (camera, settings) in cameras::of(&cameras, settings)? {
+            for (camera, mut settings) in cameras::of(&cameras, settings)? {
+                if let (SceneSource::Recipe(drawing), Camera::Plenoptic(file)) = (source, &mut settings.camera) {
+                    **file = drawing.perturbed((**file).clone())?;
+                }
                 let render = RenderJob::new(source.clone(), settings.clone()).engine(engine);
                 first.get_or_insert(settings);
                 jobs.extend(render.shots().into_iter().map(|shot| DatasetJob {
@@ -175,7 +180,9 @@ impl DatasetPlan {
                 SceneSource::Recipe(drawing) => format!("drawn from the recipe {}", drawing.recipe().name()),
                 _ => gallery::purpose(&scene).unwrap_or("a scene from a file").to_owned(),
             };
-            entries.push(Entry { name, scene, purpose, sha256, camera: job.camera.clone() });
+            let camera = job.camera.clone();
+            let own_camera = own_camera(&camera, &self.renders[job.render].settings.camera);
+            entries.push(Entry { name, scene, purpose, sha256, camera, own_camera });
         }
         // What all have in common: a recipe draws some for each scene.
         let mut options = texts(&self.settings);
@@ -312,6 +319,12 @@ fn has_recipe(root: &Folder, text: &str) -> Result<bool, Error> {
         return Err(Error::Failed(format!("{}: another recipe; give an empty `out`", path.display())));
     }
     Ok(true)
+}
+
+/// The digest of the camera of a render, if it differs from that of the dataset.
+fn own_camera(camera: &DatasetCamera, own: &Camera) -> Option<String> {
+    let (DatasetCamera::Plenoptic { sha256, .. }, Camera::Plenoptic(own)) = (camera, own) else { return None };
+    Some(camera_digest(own).to_string()).filter(|own| own != sha256)
 }
 
 /// Checks that every scene has a unique folder.

@@ -11,13 +11,14 @@ use crate::Error;
 use crate::output::Statistics;
 
 /// The properties: a scene has one if at least this part of its central view is in a mask.
-const PROPERTIES: [(&str, &str, f64); 7] = [
+const PROPERTIES: [(&str, &str, f64); 8] = [
     ("thin", "fine", 0.05),
     ("occluding", "occluded", 0.1),
     ("slanted", "slanted", 0.1),
     ("textureless", "textureless", 0.3),
     ("repetitive", "repetitive", 0.01),
     ("reflective", "reflective", 0.1),
+    ("transparent", "transparent", 0.03),
     ("foliage", "discontinuity", 0.4),
 ];
 

@@ -19,7 +19,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use holo_io::dataset::{DatasetCamera, DatasetIndex};
-use holo_io::{Folder, Manifest, ManifestValue};
+use holo_io::{Folder, Manifest};
 use serde_json::Value;
 
 pub(crate) use self::record::Record;
@@ -134,9 +134,8 @@ pub(crate) fn records(root: &Folder, index: &DatasetIndex) -> Result<Vec<Record>
 fn is_of(manifest: &Manifest, camera: &DatasetCamera) -> bool {
     match camera {
         DatasetCamera::Rig(shape) => manifest.rig.is_some_and(|rig| rig.shape() == shape),
-        DatasetCamera::Plenoptic { sha256, .. } => {
-            manifest.settings.get("camera_sha256").and_then(ManifestValue::as_text) == Some(sha256.as_str())
-        }
+        // Which camera it is, is a difference.
+        DatasetCamera::Plenoptic { .. } => manifest.rig.is_none(),
     }
 }
 

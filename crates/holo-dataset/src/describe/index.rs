@@ -67,6 +67,8 @@ pub(crate) struct Entry {
     /// The digest of the scene.
     pub sha256: String,
     pub camera: DatasetCamera,
+    /// The digest of the camera that it was rendered with, if that is another.
+    pub own_camera: Option<String>,
 }
 
 /// Settings as text, by key.
@@ -96,11 +98,15 @@ fn index(entries: &[Entry], options: &Options, backend: &str) -> DatasetIndex {
     let mut scenes: Vec<SceneEntry> = Vec::new();
     let mut cameras: Vec<DatasetCamera> = Vec::new();
     let mut names = BTreeSet::new();
-    for Entry { name, scene, purpose, sha256, camera } in entries {
+    for Entry { name, scene, purpose, sha256, camera, own_camera } in entries {
         if names.insert(name) {
-            let purpose = purpose.clone();
-            let source = (name != scene).then(|| scene.clone());
-            scenes.push(SceneEntry { name: name.clone(), purpose, sha256: sha256.clone(), source });
+            let (name, purpose, sha256) = (name.clone(), purpose.clone(), sha256.clone());
+            let source = (name != *scene).then(|| scene.clone());
+            scenes.push(SceneEntry { name, purpose, sha256, source, cameras: BTreeMap::new() });
+        }
+        // The cameras of a scene follow each other.
+        if let (Some(own), Some(last)) = (own_camera, scenes.last_mut()) {
+            last.cameras.insert(camera.name(), own.clone());
         }
         if !cameras.contains(camera) {
             cameras.push(camera.clone());

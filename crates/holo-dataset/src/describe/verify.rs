@@ -171,10 +171,11 @@ pub(crate) fn differences(index: &DatasetIndex, manifest: &Manifest, folder: &Pa
         differences.push("made from another scene of this name".into());
     }
     let camera = index.cameras.iter().find(|camera| folder.ends_with(camera.name()));
-    if let Some(DatasetCamera::Plenoptic { sha256, .. }) = camera
-        && digest("camera_sha256") != Some(sha256.as_str())
-    {
-        differences.push("made with another camera of this name".into());
+    if let Some(DatasetCamera::Plenoptic { name, sha256, .. }) = camera {
+        let own = scene.and_then(|scene| scene.cameras.get(name));
+        if digest("camera_sha256") != Some(own.unwrap_or(sha256).as_str()) {
+            differences.push("made with another camera of this name".into());
+        }
     }
     if digest("cameras_sha256") != index.poses.as_ref().map(|poses| poses.sha256.as_str()) {
         differences.push("made at other poses".into());

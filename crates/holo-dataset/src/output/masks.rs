@@ -9,6 +9,7 @@
 //! | `repetitive` | the albedo around, 9 x 9, is found again in its row, 6 to 48 px away, within 0.03 on the mean, and not beside itself |
 //! | `textureless` | the albedo of the pixels around, 5 x 5, differs by less than 0.02 in every channel |
 //! | `reflective` | the surface mirrors light or lets it pass ([`holo_scene::Material::is_reflective`]) |
+//! | `transparent` | those of them that let light pass ([`holo_scene::Material::is_transparent`]) |
 //! | `plane` | all pixels around, 3 x 3, have normals within 0.1 degrees, and no jump |
 //! | `smooth` | the same with normals within 10 degrees, where it is no plane: a curved surface |
 //! | `fine` | narrower than 8 px: between two jumps to what is farther, along a row, a column or a diagonal |
@@ -100,7 +101,7 @@ pub(super) fn write(
     Ok(parts)
 }
 
-fn masks(central: &Layers<Array3<f32>>, visibility: &Array2<f32>) -> [(&'static str, Array2<bool>); 11] {
+fn masks(central: &Layers<Array3<f32>>, visibility: &Array2<f32>) -> [(&'static str, Array2<bool>); 12] {
     let scalar = |layer: Layer| central[layer].index_axis(Axis(2), 0).to_owned();
     let valid = scalar(Layer::HitMask).mapv(|hit| hit > 0.0);
     let disparity = scalar(Layer::Disparity);
@@ -135,7 +136,8 @@ fn masks(central: &Layers<Array3<f32>>, visibility: &Array2<f32>) -> [(&'static 
     [
         ("occluded", occluded),
         ("discontinuity", near_jump.1),
-        ("reflective", scalar(Layer::Reflective).mapv(|share| share > 0.0)),
+        ("reflective", scalar(Layer::Reflective).mapv(|kind| kind > 0.0)),
+        ("transparent", scalar(Layer::Reflective).mapv(|kind| kind > 1.0)),
         ("slanted", slanted),
         ("repetitive", repetitive(&albedo, &valid, &textureless)),
         ("textureless", textureless),
@@ -287,7 +289,7 @@ mod tests {
             (Layer::GeometricNormal, image(3, |_, _| 1.0)),
             (Layer::Albedo, image(3, |v, u| if u < 6 { 0.5 } else { (v + u) as f32 % 2.0 })),
             (Layer::HitMask, image(1, |_, u| if u < 11 { 1.0 } else { 0.0 })),
-            (Layer::Reflective, image(1, |v, _| if v == 0 { 1.0 } else { 0.0 })),
+            (Layer::Reflective, image(1, |v, _| if v < 2 { (v + 1) as f32 } else { 0.0 })),
         ]
         .into_iter()
         .collect();
@@ -308,7 +310,9 @@ mod tests {
         assert_eq!(row("reflective"), "............");
         assert_eq!(row("slanted"), "#####.......", "the disparity of the other does not change");
         assert_eq!(row("repetitive"), "............", "no pixel has 9 x 9 around it");
-        assert!(masks.iter().any(|(name, mask)| *name == "reflective" && mask[[0, 3]]));
+        let of =
+            |name: &str| masks.iter().find(|(known, _)| *known == name).map(|(_, mask)| [mask[[0, 3]], mask[[1, 3]]]);
+        assert_eq!([of("reflective"), of("transparent")], [Some([true, true]), Some([false, true])]);
     }
 
     /// Dots every 10 px, on the right side noise, and stripes along the rows below.

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use holo_io::Sha256;
+use holo_core::plenoptic::PlenopticCamera;
+use holo_io::{CameraFile, Sha256};
 use holo_scene::gltf::{self, LoadOptions, Loaded};
 use holo_scene::recipe::Recipe;
 use holo_scene::{Scene, gallery};
@@ -69,6 +70,26 @@ impl Drawing {
     #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
+    }
+
+    /// Returns a plenoptic camera as the recipe perturbs it for this scene: its array turned, moved and scaled, its focus
+    /// moved.
+    ///
+    /// # Errors
+    /// [`Error::Io`] or [`Error::Core`] if such a camera forms no image.
+    pub fn perturbed(&self, mut file: CameraFile) -> Result<CameraFile, Error> {
+        let Some(change) = self.recipe.camera(self.seed, self.number) else { return Ok(file) };
+        let camera = &file.camera;
+        let mut array = camera.array().clone();
+        array.rotation_rad += change.rotation_rad;
+        array.offset_m = [0, 1].map(|k| array.offset_m[k] + change.offset[k] * array.pitch_m);
+        array.pitch_m *= change.pitch;
+        array.aperture = array.aperture.scaled(change.pitch);
+        file.camera = PlenopticCamera::new(*camera.sensor(), array, camera.main_lens().clone())?;
+        match change.focus_m {
+            Some(depth_m) => Ok(file.with_focus_m(depth_m)?),
+            None => Ok(file),
+        }
     }
 
     /// Draws the scene, and returns how often it was drawn before because it was of no use: empty, hidden, flat or dark.

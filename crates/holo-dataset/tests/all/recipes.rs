@@ -34,7 +34,7 @@ fn recipes_have_their_shares() {
             assert_eq!(recipe.shares().count(), 0);
             continue;
         }
-        assert_eq!(recipe.shares().count(), 7, "{}", recipe.name());
+        assert_eq!(recipe.shares().count(), 8, "{}", recipe.name());
         let found = properties(&recipe, 100);
         println!("{}: {found}", recipe.name());
         assert_eq!((found.scenes, found.near_duplicates), (100, 0), "{}", recipe.name());
@@ -46,7 +46,7 @@ fn recipes_have_their_shares() {
 fn every_scene_of_a_set_counts() {
     let recipe = Arc::new(Recipe::by_name("thin-and-slanted").unwrap());
     let found = properties(&recipe, 3);
-    assert_eq!((found.scenes, found.near_duplicates, found.shares.len()), (3, 0, 7));
+    assert_eq!((found.scenes, found.near_duplicates, found.shares.len()), (3, 0, 8));
     // Each is one of three.
     assert!(found.shares.iter().all(|(_, share)| (3.0 * share).fract() == 0.0), "{found}");
 }

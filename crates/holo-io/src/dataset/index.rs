@@ -32,7 +32,7 @@ const MAX_BYTES: u64 = 16 << 20;
 /// let (name, purpose, sha256) = ("garden".to_owned(), "foliage".to_owned(), "00".repeat(32));
 /// let shape = LightFieldShape::new(GridSize::new(20, 20), GridSize::new(265, 397))?;
 /// let index = DatasetIndex {
-///     scenes: vec![SceneEntry { name, purpose, sha256, source: None }],
+///     scenes: vec![SceneEntry { name, purpose, sha256, ..SceneEntry::default() }],
 ///     cameras: vec![DatasetCamera::Rig(shape)],
 ///     ..DatasetIndex::default()
 /// };
@@ -61,7 +61,7 @@ pub struct DatasetIndex {
 }
 
 /// A scene of a dataset.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneEntry {
     /// Name of the scene and of its folder.
     pub name: String,
@@ -72,6 +72,9 @@ pub struct SceneEntry {
     /// Name of the scene that this is a pose or a frame of; `None` if it is a scene of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
+    /// SHA-256 of cameras of its own, which a recipe perturbs, by the names in [`DatasetIndex::cameras`].
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub cameras: BTreeMap<String, String>,
 }
 
 impl SceneEntry {
@@ -298,7 +301,7 @@ mod tests {
     #[test]
     fn damaged_indices_are_errors() {
         let good = DatasetIndex {
-            scenes: vec![SceneEntry { name: "a".into(), purpose: String::new(), sha256: String::new(), source: None }],
+            scenes: vec![SceneEntry { name: "a".into(), ..SceneEntry::default() }],
             cameras: vec![rig()],
             ..DatasetIndex::default()
         };
@@ -328,7 +331,12 @@ mod tests {
         };
         let of = |cameras: Vec<DatasetCamera>, poses: Option<DatasetPoses>| {
             let (name, source) = ("a_left".to_owned(), Some("a".to_owned()));
-            let scenes = vec![SceneEntry { name, purpose: String::new(), sha256: String::new(), source }];
+            let scenes = vec![SceneEntry {
+                name,
+                source,
+                cameras: BTreeMap::from([("another".into(), "33".repeat(32))]),
+                ..SceneEntry::default()
+            }];
             DatasetIndex { scenes, cameras, poses, ..DatasetIndex::default() }
         };
         let poses = || Some(DatasetPoses { count: 2, sha256: "22".repeat(32), up: "z".into() });

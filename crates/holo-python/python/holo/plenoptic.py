@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _holo
 from ._holo import PlenopticCamera
+from .errors import Error, UsageError
 from .light_field import LightField
 
 
@@ -21,6 +22,39 @@ class Decoded(NamedTuple):
     light_field: LightField
     weight: np.ndarray
     roll_rad: float
+
+
+class Calibration(NamedTuple):
+    """A camera that was found by a white image.
+
+    camera: the camera. count: the micro-images that were compared. rms_px, largest_px: the distances of their centers of
+    light from those of the camera. radii_px: of the micro-images, of three types if they differ.
+    """
+
+    camera: PlenopticCamera
+    count: int
+    rms_px: float
+    largest_px: float
+    radii_px: list[float]
+
+
+def calibrate(
+    white: np.ndarray, camera: PlenopticCamera | None = None, *, pixel_um: float | None = None
+) -> Calibration:
+    """Finds the microlens array of a plenoptic camera by a white image: arrangement, pitch, rotation, place and scale.
+
+    white: linear, axes (row, column[, channel]); the mean of several has less noise. camera: what is known but for the array.
+    pixel_um: the width of a pixel, if nothing else is known; then depths cannot follow from disparities.
+    """
+    white = np.asarray(white, dtype=np.float32)
+    if white.ndim == 3:
+        white = white.mean(-1)
+    if (camera is None) == (pixel_um is None):
+        raise UsageError("give either camera or pixel_um")
+    found = camera.calibrated(white) if camera else PlenopticCamera.of_white_image(white, pixel_um * 1e-6)
+    if found is None:
+        raise Error("the image has no square or hexagonal lattice of micro-images, 4 px apart or more and a dozen a side")
+    return Calibration(found[0], *found[1])
 
 
 def decode(

@@ -15,7 +15,7 @@
 //! | `object-id` | 1 | index in [`Scene::instances`](holo_scene::Scene::instances) + 1 | 0 |
 //! | `material-id` | 1 | index in [`Scene::materials`](holo_scene::Scene::materials) + 1 | 0 |
 //! | `hit-mask` | 1 | 1 | 0 |
-//! | `reflective` | 1 | 1 for a surface that mirrors light or lets it pass, else 0 | 0 |
+//! | `reflective` | 1 | 1 for a surface that mirrors light, 2 for one that lets it pass, else 0 | 0 |
 //!
 //! - **Ray length.** A perspective ray starts at the center of the view, so its length is the distance from the view;
 //!   an orthographic ray starts in the plane z = 0.
@@ -57,7 +57,8 @@ pub enum Layer {
     MaterialId,
     /// 1 for a hit, 0 for a miss.
     HitMask,
-    /// 1 for a hit whose material [mirrors light or lets it pass](holo_scene::Material::is_reflective), else 0.
+    /// 1 for a hit whose material [mirrors light](holo_scene::Material::is_reflective), 2 if it
+    /// [lets light pass](holo_scene::Material::is_transparent), else 0.
     Reflective,
 }
 

@@ -152,13 +152,7 @@ fn material_id(context: &Context, hits: &PrimaryHits) -> [f32; LANES] {
 
 #[inline(always)]
 fn reflective(context: &Context, hits: &PrimaryHits) -> [f32; LANES] {
-    of_instances(
-        context,
-        hits,
-        |instance| {
-            if context.scene.appearance.is_reflective(instance.material) { 1.0 } else { 0.0 }
-        },
-    )
+    of_instances(context, hits, |instance| f32::from(context.scene.appearance.reflective(instance.material)))
 }
 
 #[inline(always)]

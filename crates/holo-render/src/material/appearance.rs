@@ -79,7 +79,8 @@ struct Material {
     scattering: scattering::Scattering,
     /// Those of few materials; on the heap, so that others stay small.
     layers: Option<Box<layers::Layers>>,
-    is_reflective: bool,
+    /// 1: mirrors light, 2: lets it pass.
+    reflective: u8,
 }
 
 /// A texture with its coordinate transform: u' = a u + b v + c, v' = d u + e v + f.
@@ -169,9 +170,9 @@ impl Appearance {
         self.media.len() - 1
     }
 
-    /// Whether a material mirrors light or lets it pass.
-    pub fn is_reflective(&self, material: u32) -> bool {
-        self.materials[material as usize].is_reflective
+    /// 1 if a material mirrors light, 2 if it lets it pass, else 0.
+    pub fn reflective(&self, material: u32) -> u8 {
+        self.materials[material as usize].reflective
     }
 
     /// Whether all materials are unlit.
@@ -334,7 +335,7 @@ impl Material {
             emission,
             scattering,
             layers,
-            is_reflective: material.is_reflective(),
+            reflective: u8::from(material.is_reflective()) + u8::from(material.is_transparent()),
         }
     }
 }

@@ -10,6 +10,7 @@
 //! | `name`, `about` | the name, letters and digits and `-`, and what the scenes are for |
 //! | `[layouts]` | weights of `table`, `room`, `street`, `floating`, `slanted`, `steps`, `thicket` |
 //! | `[camera]` | `vertical_angle_deg`, `distance_m` from the middle of the scene, `tilt_deg` downwards; `plenoptic`, a preset of plenoptic cameras if the scenes are for one |
+//! | `[camera.perturbed]` | of plenoptic cameras, by how much they differ from the preset: `rotation_deg` of the microlens array, `offset` in pitches, the factor `pitch`; `focus_m`, where they are focused |
 //! | `[objects]` | `count`; `size`, in parts of the image; `apart`, whether they keep away from each other; `models`, a folder of `.glb` files |
 //! | `[objects.shapes]` | weights of `box`, `ball`, `stone`, `lathe`, `vessel`, `ring`, `knot`, `spring`, `gear`, `frame`, `text`, `burr`, `plant`, `sheet`, and `model` for those of the folder |
 //! | `[surfaces]` | weights of `matte`, `glossy`, `coated`, `cloth`, `metal`, `brushed`, `glass`, `veil`, `translucent`, `luminous` |
@@ -24,6 +25,7 @@
 //! Folders are relative to the file of the recipe. Positions, sizes and materials are drawn by numbers that are equal on all
 //! machines; meshes and textures also depend on the sines and powers of the system's library.
 
+mod camera;
 mod composition;
 mod distribution;
 mod extras;
@@ -41,6 +43,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+pub use self::camera::CameraChange;
+use self::camera::Perturbed;
 use self::composition::Composition;
 use self::distribution::{Span, Texts, Weights};
 use self::layout::Layout;
@@ -70,6 +74,7 @@ const OBJECTS: f64 = 500.0;
 /// Numbers of a purpose of their own, so that what one draws does not change the others.
 const SCENE: u64 = 1;
 const SETTINGS: u64 = 2;
+const CAMERA: u64 = 3;
 
 /// Distributions that scenes are drawn from.
 #[derive(Clone, Debug)]
@@ -107,6 +112,7 @@ struct CameraPart {
     distance_m: Span,
     tilt_deg: Span,
     plenoptic: Option<String>,
+    perturbed: Option<Perturbed>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -214,6 +220,12 @@ impl Recipe {
         self.parts.camera.plenoptic.as_deref()
     }
 
+    /// Draws how the plenoptic camera of scene `number` differs from its preset; `None`: not at all.
+    #[must_use]
+    pub fn camera(&self, seed: u64, number: u64) -> Option<CameraChange> {
+        self.parts.camera.perturbed.map(|perturbed| perturbed.draw(&mut self.random(&[CAMERA, seed, number])))
+    }
+
     /// Returns the files of its folders that are used.
     #[must_use]
     pub fn files(&self) -> &[PathBuf] {
@@ -280,7 +292,8 @@ impl Parts {
             ("light.lamps", self.light.lamps, 0.0, 16.0),
             ("light.panels", self.light.panels, 0.0, 16.0),
         ];
-        for (key, span, low, high) in spans {
+        let of_camera = self.camera.perturbed.iter().flat_map(Perturbed::ranges);
+        for (key, span, low, high) in spans.into_iter().chain(of_camera) {
             if !span.is_within(low, high) {
                 return wrong(key, &format!("both numbers are from {low} to {high}"));
             }

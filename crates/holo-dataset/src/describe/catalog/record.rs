@@ -79,7 +79,7 @@ pub(in super::super) fn first_names() -> String {
 }
 
 /// All fields, in the order of the table.
-static FIELDS: [Field; 41] = [
+static FIELDS: [Field; 42] = [
     field("folder", TEXT, "Folder of the light field, relative to the dataset", |r| r.folder.as_str().into()),
     field("scene", TEXT, "Name of the scene", |r| r.scene.as_str().into()),
     field("split", TEXT, "train or test; a scene is in one of them with all its cameras, poses and frames", |r| {
@@ -126,6 +126,7 @@ static FIELDS: [Field; 41] = [
     of_rigs("textureless", FLOAT, "Part of the same without texture", |r| r.mask("textureless")),
     of_rigs("repetitive", FLOAT, "Part of the same whose texture is found again in its row", |r| r.mask("repetitive")),
     of_rigs("reflective", FLOAT, "Part of the same that mirrors light or lets it pass", |r| r.mask("reflective")),
+    of_rigs("transparent", FLOAT, "Part of the same that lets light pass", |r| r.mask("transparent")),
     of_rigs("baseline_mm", FLOAT, "Distance between horizontally adjacent views", |r| {
         r.rig(|rig| meters_to_millimeters(rig.baseline_x_m()))
     }),
