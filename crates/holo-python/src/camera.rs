@@ -91,7 +91,7 @@ impl PlenopticCamera {
         }))
     }
 
-    /// A camera of which only the width of a pixel is known; `None` without a lattice.
+    /// An unknown camera, by the width of a pixel; `None` without a lattice.
     #[staticmethod]
     fn of_white_image<'py>(
         py: Python<'py>,

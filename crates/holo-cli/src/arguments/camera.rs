@@ -75,7 +75,7 @@ pub struct CalibrateOptions {
     pub pixel_um: Option<f64>,
     /// PNG of the centers that were found, in nine windows of the white image.
     #[arg(long, value_name = "FILE", value_parser = super::values::png)]
-    pub picture: Option<PathBuf>,
+    pub image: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]

@@ -45,8 +45,8 @@ pub fn calibrate(options: &CalibrateOptions) -> Result<(), Failure> {
     };
     let found = Calibrated::from_white_images(&options.white, &known)?;
     holo_io::write_file(&options.out, found.camera.to_toml().as_bytes())?;
-    if let Some(path) = &options.picture {
-        holo_io::write_png(path, found.picture().view(), ColorEncoding::Srgb, Compression::Best)?;
+    if let Some(path) = &options.image {
+        holo_io::write_png(path, found.image().view(), ColorEncoding::Srgb, Compression::Best)?;
     }
     let (fit, camera) = (&found.fit, &found.camera.camera);
     let radii: Vec<String> = fit.radii_px.iter().map(|radius| format!("{radius:.3}")).collect();

@@ -87,7 +87,7 @@ fn white_images_calibrate_cameras() {
     succeeds(&bench, "white --camera-file truth.toml --out whites");
     let said = succeeds(
         &bench,
-        "calibrate whites/white.exr whites/white.png --camera-file nominal.toml --out found.toml --picture centers.png",
+        "calibrate whites/white.exr whites/white.png --camera-file nominal.toml --out found.toml --image centers.png",
     );
     assert!(said.contains("a square grid") && said.contains("turned by 0.35"), "{said}");
     succeeds(&bench, &format!("render {SCENE} --camera-file truth.toml --spp 1 --sky 1,1,1 --out raw"));

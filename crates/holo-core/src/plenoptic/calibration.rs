@@ -16,7 +16,7 @@ const STEPS: usize = 8;
 /// A smaller displacement is not corrected further, px.
 const NEAR_PX: f64 = 2e-3;
 
-/// The gap of a camera of which nothing is known, in pitches: it says how disparity follows from depth, and is a guess.
+/// The assumed gap of an unknown camera, in pitches. It sets how disparity follows from depth.
 const GAP_PITCHES: f64 = 10.0;
 
 /// The focal length of its main lens.
@@ -94,7 +94,7 @@ impl PlenopticCamera {
         Ok(Some(Calibration { camera, count, rms_px, largest_px, radii_px }))
     }
 
-    /// Finds a camera of which only the width of a pixel is known by a white image. Its gap, main lens and f-number are such that
+    /// Finds an unknown camera by a white image and the width of a pixel. Its gap, main lens and f-number are such that
     /// the micro-images are as large as those of the image, and say nothing about depths.
     ///
     /// # Errors

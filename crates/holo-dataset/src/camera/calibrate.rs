@@ -9,7 +9,7 @@ use ndarray::{Array2, Array3, Axis};
 use super::linear_image::read_linear;
 use crate::Error;
 
-/// A window of the picture of centers: its side in pitches, and in the picture, px.
+/// A window of the image of centers: its side in pitches, and in the image, px.
 const WINDOW_PITCHES: f64 = 6.0;
 const WINDOW_PX: usize = 240;
 
@@ -75,7 +75,7 @@ impl Calibrated {
     /// Draws the centers of micro-images into nine windows of the white image: in the corners, the middles of the sides, and the
     /// middle. Codes on the sRGB curve, axes (row, column, RGB).
     #[must_use]
-    pub fn picture(&self) -> Array3<u8> {
+    pub fn image(&self) -> Array3<u8> {
         let camera = &self.fit.camera;
         let (rows, columns) = self.white.dim();
         let side = (WINDOW_PITCHES * camera.micro_image_pitch_px()).ceil() as usize;
@@ -83,7 +83,7 @@ impl Calibrated {
         let scale = (WINDOW_PX / side).max(1);
         let step = side * scale + scale;
         let brightest = self.white.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
-        let mut picture = Array3::from_elem((3 * step - scale, 3 * step - scale, 3), 255);
+        let mut image = Array3::from_elem((3 * step - scale, 3 * step - scale, 3), 255);
         for place in 0..9 {
             let (down, right) = (place / 3, place % 3);
             let first = [down * (rows - side) / 2, right * (columns - side) / 2];
@@ -92,7 +92,7 @@ impl Calibrated {
                 for u in 0..side * scale {
                     let light = self.white[[first[0] + v / scale, first[1] + u / scale]];
                     let code = (255.0 * (light / brightest).clamp(0.0, 1.0).powf(1.0 / 2.2)) as u8;
-                    (0..3).for_each(|c| picture[[corner[0] + v, corner[1] + u, c]] = code);
+                    (0..3).for_each(|c| image[[corner[0] + v, corner[1] + u, c]] = code);
                 }
             }
             let rows_here = first[0]..first[0] + side;
@@ -105,7 +105,7 @@ impl Calibrated {
                             let end = (side * scale) as isize;
                             if (0..end).contains(&v) && (0..end).contains(&u) {
                                 for (c, code) in CENTER.into_iter().enumerate() {
-                                    picture[[corner[0] + v as usize, corner[1] + u as usize, c]] = code;
+                                    image[[corner[0] + v as usize, corner[1] + u as usize, c]] = code;
                                 }
                             }
                         }
@@ -113,6 +113,6 @@ impl Calibrated {
                 }
             }
         }
-        picture
+        image
     }
 }

@@ -47,7 +47,7 @@ fn with_noise(white: &Array2<f32>, amplitude: f32) -> Array2<f32> {
     white.mapv(|x| x + amplitude * top / 0.29 * random())
 }
 
-/// Pitches of 9 to 63 px, all grids, rotations, scales: the camera that knows the lens finds the array.
+/// Pitches of 9 to 34 px, all grids, rotations, scales: the camera that knows the lens finds the array.
 #[test]
 fn the_array_is_found() {
     let nominal = camera(MicrolensArray::new(MicrolensGrid::Square, 90e-6, 3e-4), 5.0);
