@@ -109,6 +109,12 @@ impl GenerateOptions {
             collection.camera_file.push(camera.to_owned());
         }
         let (cameras, given, base) = collection.parts(&GENERATED_VIEWS)?;
+        let draws_focus = recipe.camera(0, 0).is_some_and(|change| change.focus_m.is_some());
+        let has_focus = collection.settings.given().get("focus-m").is_some();
+        if matches!(cameras, DatasetCameras::Plenoptic(_)) && draws_focus && has_focus {
+            let why = "--focus-m: the recipe draws the focus of every scene; take `focus_m` out of [camera.perturbed] in a copy of it";
+            return Err(Failure::Usage(why.into()));
+        }
         let mut checked = base.clone();
         checked.apply(&given)?;
         let scenes = drawn(recipe, (checked.light.seed, self.count), &given, &base)?;

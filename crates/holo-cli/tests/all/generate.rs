@@ -122,6 +122,8 @@ fn recipes_perturb_plenoptic_cameras() {
         assert_ne!(own.array(), camera((k + 1) % 3).array());
         assert!(own.main_lens() != nominal.main_lens(), "the focus is drawn");
     }
+    let focus = bench.run(&format!("{line} --out other --focus-m 0.4"));
+    assert!(focus.code == Some(2) && focus.stderr.contains("draws the focus"), "{focus:?}");
     // Every scene has its own camera, which `dataset.json` knows; a resumed set has the same.
     assert_eq!(bench.run("verify set").code, Some(0));
     let table = std::fs::read_to_string(bench.path("set/light_fields.csv")).unwrap();
