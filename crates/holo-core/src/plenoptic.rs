@@ -13,6 +13,10 @@
 //! the same form as [`Rig::ray`](crate::Rig::ray). Vignetting is exact: from a point of the sensor, light passes
 //! through the part that microlens and image of the exit pupil share ([`LitRegion`]).
 //!
+//! A main lens may also be one of glass: a [`Prescription`], whose rays are traced surface by surface. What is defined near the
+//! axis - focus, [equivalent views](PlenopticCamera::equivalent_views), decoding - is then that of its focal length and pupils, and
+//! light and [chief rays](PlenopticCamera::ray) are those of the glass.
+//!
 //! # Coordinates
 //!
 //! On the image side everything is *upright*: x to the right and y up in the stored image; the physical position is the
@@ -26,32 +30,38 @@
 //! cameras and the role of the exit pupil; Labussière et al., "Blur aware calibration of multi-focus plenoptic camera"
 //! (CVPR, 2020), for virtual depth and blur of focused ones. Both follow from the same ray here.
 
+mod aberrations;
 mod calibration;
 mod camera;
 mod decode;
 mod demosaic;
 mod distortion;
 mod equivalent;
+mod glass_lens;
 mod lattice;
 mod lune;
 mod main_lens;
 mod microlens;
 mod microlenses;
+mod prescription;
 mod presets;
 mod projection;
 mod pupil_shape;
 mod white;
 mod white_grid;
 
+pub use aberrations::Aberrations;
 pub use calibration::{Calibration, mean_white_image};
 pub use camera::{ImageSensor, PlenopticCamera};
 pub use decode::Decoded;
 pub use distortion::Distortion;
 pub use equivalent::EquivalentViews;
+pub use glass_lens::TracedRays;
 pub use lune::LitRegion;
 pub use main_lens::{ArrayFocus, MainLens, Stop};
 pub use microlens::{Microlens, PlenopticRay, RayCoefficients};
 pub use microlenses::{LensAperture, MicrolensArray, MicrolensFocus, MicrolensGrid, MicrolensIndex};
+pub use prescription::{Glass, LensRays, Medium, Objective, Paraxial, Prescription, Surface, glasses, objectives};
 pub use presets::{Preset, presets};
 pub use projection::{MicroImagePoint, PlenopticMode};
 pub use pupil_shape::PupilShape;

@@ -46,6 +46,12 @@
 //! focus_m = 0.5                      # or mla_distance_mm
 //! focus_virtual_depth = 0.0          # focused cameras: where the image of focus_m lies, in gaps behind the array
 //! stops = [{ distance_mm = 25.0, diameter_mm = 14.0 }]  # further ones, in front of the lens
+//! # instead of focal_mm, f_number, aperture, exit_pupil_mm, stops and distortion, a lens of glass: a file beside this one
+//! # (.toml, .csv, .dat, .zmx, .json), an objective (double-gauss, petzval, retrofocus, telephoto, tessar, ..), or its surfaces
+//! # as [[main_lens.surface]]; mla_distance_mm then counts from the last surface
+//! # prescription = "double-gauss"
+//! # scale_to_focal_mm = 80.0         # all lengths of the prescription scaled
+//! # close_to_f_number = 4.0          # its stop closed
 //! distortion = { radial_m2 = [0.0, 0.0, 0.0], tangential_m = [0.0, 0.0] }  # of places on the array, in 1/m^2, 1/m^4, 1/m^6
 //! ```
 //!
@@ -60,6 +66,7 @@ use holo_core::plenoptic::{
     ArrayFocus, LensAperture, MainLens, MicrolensFocus, PlenopticCamera, Preset, PupilShape, presets,
 };
 use holo_core::sensor::{ElectronsAtOne, SensorModel, SensorPreset};
+use prescription::{Beside, surface_lines};
 use sensor_table::{SensorTable, noise_lines};
 use serde::Deserialize;
 use tables::{MainLensTable, MlaTable, grid_name, um};
@@ -67,8 +74,11 @@ use tables::{MainLensTable, MlaTable, grid_name, um};
 use crate::limits::read_small_file;
 use crate::{Error, Folder};
 
+mod prescription;
 mod sensor_table;
 mod tables;
+
+pub use prescription::read_prescription;
 
 /// The largest camera file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -128,7 +138,8 @@ impl CameraFile {
     /// [`Error::Io`] if it cannot be read; [`Error::Broken`] if it is no TOML or no camera. The message names the key.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        Self::decode(&read_small_file(path, MAX_BYTES)?, path)
+        let beside = Beside::Path(path.parent().unwrap_or_else(|| Path::new("")));
+        Self::decode(&read_small_file(path, MAX_BYTES)?, path, beside)
     }
 
     /// Reads a camera file of an open folder, like [`CameraFile::read`].
@@ -136,14 +147,14 @@ impl CameraFile {
     /// # Errors
     /// Those of [`CameraFile::read`] and [`Folder::open_regular`].
     pub fn read_in(folder: &Folder, name: &str) -> Result<Self, Error> {
-        Self::decode(&folder.read(name, MAX_BYTES)?, &folder.path_of(name))
+        Self::decode(&folder.read(name, MAX_BYTES)?, &folder.path_of(name), Beside::Folder(folder))
     }
 
-    fn decode(bytes: &[u8], path: &Path) -> Result<Self, Error> {
+    fn decode(bytes: &[u8], path: &Path, beside: Beside) -> Result<Self, Error> {
         let broken = |what: String| Error::Broken { path: path.into(), format: "camera", what };
         let text = std::str::from_utf8(bytes).map_err(|_| broken("it is not text in UTF-8".into()))?;
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        Self::parsed(text, &stem).map_err(broken)
+        Self::parsed(text, &stem, beside).map_err(broken)
     }
 
     /// Returns the camera of a file, or of the preset of this name.
@@ -177,15 +188,16 @@ impl CameraFile {
         Some(Self { name: name.into(), camera, is_approximate: preset.is_approximate, sensor_noise })
     }
 
-    /// Parses the text of a camera file; `name` is that of a camera without one.
+    /// Parses the text of a camera file; `name` is that of a camera without one. A prescription is one of its own, or an
+    /// objective by its name.
     ///
     /// # Errors
     /// [`Error::Camera`] with the key.
     pub fn parse(text: &str, name: &str) -> Result<Self, Error> {
-        Self::parsed(text, name).map_err(Error::Camera)
+        Self::parsed(text, name, Beside::Nowhere).map_err(Error::Camera)
     }
 
-    fn parsed(text: &str, name: &str) -> Result<Self, String> {
+    fn parsed(text: &str, name: &str, beside: Beside) -> Result<Self, String> {
         let document: Document = toml::from_str(text).map_err(|why| explained(&why))?;
         let preset = match &document.preset {
             None => None,
@@ -197,7 +209,7 @@ impl CameraFile {
         let base = preset.as_ref().map(|preset| &preset.camera);
         let sensor = document.sensor.sensor(base)?;
         let array = document.mla.array(base)?;
-        let lens = document.main_lens.lens(base)?;
+        let lens = document.main_lens.lens(base, beside)?;
         let camera = PlenopticCamera::new(sensor, array, lens).map_err(|why| keyed(&why, &document.main_lens))?;
         let noise = document.sensor.noise(preset.as_ref().and_then(|preset| preset.sensor_noise.as_ref()))?;
         let name = document.name.or(document.preset).unwrap_or_else(|| name.to_owned());
@@ -219,12 +231,13 @@ impl CameraFile {
         self.with_lens(lens)
     }
 
-    /// Returns the camera with another f-number.
+    /// Returns the camera with another f-number: a lens of glass with its stop closed to it.
     ///
     /// # Errors
-    /// [`Error::Camera`] if it is not above 0.
+    /// [`Error::Camera`] if it is not above 0, or below that of an open lens of glass.
     pub fn with_f_number(self, f_number: f64) -> Result<Self, Error> {
-        let lens = MainLens { f_number, ..self.camera.main_lens().clone() };
+        let lens = self.camera.main_lens().with_f_number(f_number);
+        let lens = lens.map_err(|why| Error::Camera(format!("main_lens.f_number: {why}")))?;
         self.with_lens(lens)
     }
 
@@ -284,7 +297,21 @@ impl CameraFile {
         line("aperture", format!("{{ shape = \"{shape}\", width_um = {width:?} }}"));
         line("gaps", if array.has_clear_gaps { "\"clear\"" } else { "\"opaque\"" }.into());
         line("tilt_deg", format!("{:?}", array.tilt_rad.map(f64::to_degrees)));
-        line("\n[main_lens]\nfocal_mm", format!("{:?}", meters_to_millimeters(lens.focal_length_m)));
+        text += "\n[main_lens]\n";
+        text += &lens_lines(lens);
+        text
+    }
+}
+
+/// The lines of a main lens.
+fn lens_lines(lens: &MainLens) -> String {
+    let mut text = String::new();
+    let mut line = |key: &str, value: String| {
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "{key} = {value}");
+    };
+    if lens.prescription.is_none() {
+        line("focal_mm", format!("{:?}", meters_to_millimeters(lens.focal_length_m)));
         line("f_number", format!("{:?}", lens.f_number));
         let aperture = match lens.aperture {
             PupilShape::Round => "\"round\"".into(),
@@ -297,29 +324,32 @@ impl CameraFile {
         if let Some(exit_m) = lens.exit_pupil_m {
             line("exit_pupil_mm", format!("{:?}", meters_to_millimeters(exit_m)));
         }
-        match lens.focus {
-            ArrayFocus::Distance { mla_distance_m } => {
-                line("mla_distance_mm", format!("{:?}", meters_to_millimeters(mla_distance_m)));
-            }
-            ArrayFocus::Depth { depth_m, virtual_depth } => {
-                line("focus_m", format!("{depth_m:?}"));
-                line("focus_virtual_depth", format!("{virtual_depth:?}"));
-            }
-        }
-        if !lens.stops.is_empty() {
-            let millimeters = |meters: f64| format!("{:?}", meters_to_millimeters(meters));
-            let stops = lens.stops.iter().map(|stop| {
-                let (distance, diameter) = (millimeters(stop.distance_m), millimeters(stop.diameter_m));
-                format!("{{ distance_mm = {distance}, diameter_mm = {diameter} }}")
-            });
-            line("stops", format!("[{}]", stops.collect::<Vec<_>>().join(", ")));
-        }
-        if !lens.distortion.is_none() {
-            let (radial, tangential) = (lens.distortion.radial, lens.distortion.tangential);
-            line("distortion", format!("{{ radial_m2 = {radial:?}, tangential_m = {tangential:?} }}"));
-        }
-        text
     }
+    match lens.focus {
+        ArrayFocus::Distance { mla_distance_m } => {
+            line("mla_distance_mm", format!("{:?}", meters_to_millimeters(mla_distance_m)));
+        }
+        ArrayFocus::Depth { depth_m, virtual_depth } => {
+            line("focus_m", format!("{depth_m:?}"));
+            line("focus_virtual_depth", format!("{virtual_depth:?}"));
+        }
+    }
+    if !lens.stops.is_empty() {
+        let millimeters = |meters: f64| format!("{:?}", meters_to_millimeters(meters));
+        let stops = lens.stops.iter().map(|stop| {
+            let (distance, diameter) = (millimeters(stop.distance_m), millimeters(stop.diameter_m));
+            format!("{{ distance_mm = {distance}, diameter_mm = {diameter} }}")
+        });
+        line("stops", format!("[{}]", stops.collect::<Vec<_>>().join(", ")));
+    }
+    if !lens.distortion.is_none() {
+        let (radial, tangential) = (lens.distortion.radial, lens.distortion.tangential);
+        line("distortion", format!("{{ radial_m2 = {radial:?}, tangential_m = {tangential:?} }}"));
+    }
+    if let Some(prescription) = &lens.prescription {
+        text += &surface_lines(prescription.surfaces(), "main_lens.surface");
+    }
+    text
 }
 
 /// A basic string of TOML, whose escapes are those of JSON.

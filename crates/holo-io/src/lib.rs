@@ -164,7 +164,7 @@ mod zlib;
 pub use animation::write_animation;
 pub use atomic::{AtomicFile, TemporaryFilesRemoved, remove_stale_temporary_files, remove_temporary_files, write_file};
 #[cfg(feature = "camera")]
-pub use camera_file::{CameraFile, SensorNoise};
+pub use camera_file::{CameraFile, SensorNoise, read_prescription};
 pub use detect_format::{FileFormat, detect_format};
 pub use digest::{FileDigest, Sha256, hash_file};
 #[cfg(feature = "tiff")]

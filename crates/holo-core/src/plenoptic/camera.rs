@@ -1,5 +1,8 @@
 //! The validated camera: places on sensor and array, and which pixels a microlens lights.
 
+use std::sync::Arc;
+
+use super::glass_lens::{GlassLens, WAVELENGTH_NM};
 use super::main_lens::Pupils;
 use super::{MainLens, Microlens, MicrolensArray, MicrolensFocus, MicrolensIndex};
 use crate::error::positive;
@@ -73,6 +76,8 @@ pub struct PlenopticCamera {
     alphas: Vec<f64>,
     /// Depth and radius of the stops in front of the pupil, seen from the entrance pupil.
     pub(super) stops: Vec<[f64; 2]>,
+    /// The main lens, if it is one of glass.
+    pub(super) glass: Option<Arc<GlassLens>>,
 }
 
 impl PlenopticCamera {
@@ -102,6 +107,7 @@ impl PlenopticCamera {
             }
         }
         array.validate()?;
+        let main_lens = main_lens.resolved(array.gap_m)?;
         let pupils = main_lens.pupils(array.gap_m)?;
         let focal_lengths_m = match &array.focus {
             MicrolensFocus::Lengths(lengths) => lengths.clone(),
@@ -109,11 +115,25 @@ impl PlenopticCamera {
         };
         let stops = main_lens.stops.iter();
         let stops = stops.map(|stop| [stop.distance_m - pupils.entrance_offset_m, stop.diameter_m / 2.0]).collect();
-        let mut camera = Self { sensor, array, main_lens, pupils, focal_lengths_m, alphas: Vec::new(), stops };
+        let mut camera =
+            Self { sensor, array, main_lens, pupils, focal_lengths_m, alphas: Vec::new(), stops, glass: None };
         let openings = 0..camera.array.type_count() + usize::from(camera.array.has_clear_gaps);
         camera.alphas = openings.map(|k| camera.alpha_for(k, camera.array.gap_m, camera.pupils.exit_m)).collect();
         camera.validate_extent()?;
+        camera.set_glass(WAVELENGTH_NM);
+        if camera.glass.is_some() {
+            camera.validate_extent()?;
+        }
         Ok(camera)
+    }
+
+    /// Prepares the lens of glass for a wavelength, if there is one.
+    pub(super) fn set_glass(&mut self, wavelength_nm: f64) {
+        let Some(prescription) = &self.main_lens.prescription else { return };
+        let corner_m = self.corners_m().into_iter().map(|[x, y]| x.hypot(y)).fold(0.0, f64::max);
+        let dark_m = self.pupils.exit_radius_m() * self.array.gap_m / self.pupils.exit_m;
+        let farthest_m = corner_m + 2.0 * dark_m + 2.0 * self.array.pitch_m;
+        self.glass = Some(Arc::new(GlassLens::new(prescription, wavelength_nm, &self.pupils, farthest_m)));
     }
 
     /// The corners of the sensor, in meters from the axis.
@@ -152,7 +172,7 @@ impl PlenopticCamera {
             ] {
                 positive(what, value)?;
             }
-            let ray = self.ray(place, lens.center_m, lens.index);
+            let Some(ray) = self.ray(place, lens.center_m, lens.index) else { continue };
             for value in ray.origin_m.into_iter().chain(ray.direction) {
                 if !value.is_finite() {
                     return Err(Error::BadNumber {
@@ -200,6 +220,13 @@ impl PlenopticCamera {
     #[must_use]
     pub const fn exit_pupil_m(&self) -> f64 {
         self.pupils.exit_m
+    }
+
+    /// Returns the depth from the entrance pupil at which light leaves the camera: that of the main lens, or of its first
+    /// surface; below 0 behind the entrance pupil.
+    #[must_use]
+    pub fn front_depth_m(&self) -> f64 {
+        self.glass.as_ref().map_or(-self.pupils.entrance_offset_m, |glass| glass.front_depth_m())
     }
 
     /// Returns the distance from the main lens to the entrance pupil, towards the scene, in meters.
@@ -329,11 +356,16 @@ impl PlenopticCamera {
         let on_array = self.on_array_m(place_m);
         let nearest = self.array.nearest(on_array);
         let raised_m = self.array.raised_m(on_array);
-        if raised_m == 0.0 {
+        if raised_m == 0.0 && self.glass.is_none() {
             return nearest;
         }
-        // On a tilted array, by the scale at the place, or a neighbor of that.
-        let scale = 1.0 + (self.array.gap_m + raised_m) / (self.pupils.exit_m - raised_m);
+        // On a tilted array and behind a lens of glass, by the scale at the place, or a neighbor of that.
+        let exit_m = match &self.glass {
+            Some(glass) => glass.field(place_m.map(|x| x / self.micro_image_scale())).exit_m,
+            None => self.pupils.exit_m,
+        };
+        let exit_m = exit_m - raised_m;
+        let scale = 1.0 + (self.array.gap_m + raised_m) / exit_m;
         let MicrolensIndex { row, column } = self.array.nearest(self.relative_to_array_m(place_m.map(|x| x / scale)));
         let around = |k: i32| MicrolensIndex { row: row + k / 3 - 1, column: column + k % 3 - 1 };
         let away = |lens: MicrolensIndex| {
@@ -357,7 +389,17 @@ impl PlenopticCamera {
         let [inner, outer] = self.main_lens.aperture.inner_and_outer().map(|part| part * pupil);
         let moved = self.alphas[lens_type].abs() * self.array.aperture.half_width_m();
         let outer_moved = self.alphas[lens_type].abs() * self.outer_radius_m(lens_type);
-        [scale * (inner - moved).abs(), scale * pupil, scale * (outer + outer_moved)]
+        let dark = match &self.glass {
+            None => scale * (outer + outer_moved),
+            Some(glass) => {
+                let [least, most] = glass.table().exit_range_m();
+                // Alpha is linear in the distance of the pupil.
+                let alphas = [least, most].map(|exit_m| self.alpha_for(lens_type, self.array.gap_m, exit_m).abs());
+                let moved = alphas[0].max(alphas[1]) * self.outer_radius_m(lens_type);
+                self.array.gap_m / least * (glass.table().outer_m() + moved)
+            }
+        };
+        [scale * (inner - moved).abs(), scale * pupil, dark]
     }
 
     /// The radius of the smallest disc around a microlens of a type, or around the cell of a gap.
@@ -414,22 +456,28 @@ impl PlenopticCamera {
         let dark = (0..self.alphas.len()).map(|k| self.micro_image_radii_m(k)[2]).fold(0.0, f64::max);
         let corners = [[0.0, rows.end as f64], [self.sensor.size.columns as f64, rows.start as f64]];
         let [low, high] = corners.map(|corner| self.place_m(corner));
-        // On a tilted array micro-images lie up to this much elsewhere.
-        let margin = dark + self.tilt_margin_m();
+        // On a tilted array and behind a lens of glass micro-images lie up to this much elsewhere.
+        let margin = dark + self.displacement_m();
         let low = self.on_array_m(low.map(|x| x - margin));
         (low, self.on_array_m(high.map(|x| x + margin)))
     }
 
-    /// By how much the tilt of the array may displace and enlarge micro-images, m.
-    fn tilt_margin_m(&self) -> f64 {
+    /// By how much the tilt of the array or a lens of glass may displace and enlarge micro-images, m.
+    fn displacement_m(&self) -> f64 {
         let corners = self.corners_m();
+        let of_glass = self.glass.as_ref().map_or(0.0, |glass| {
+            let farthest_m = corners.map(|[x, y]| x.hypot(y)).into_iter().fold(0.0, f64::max);
+            let near_axis = self.array.gap_m / self.pupils.exit_m;
+            let scales = glass.table().exit_range_m().map(|exit_m| (self.array.gap_m / exit_m - near_axis).abs());
+            1.1 * scales[0].max(scales[1]) * farthest_m
+        });
         let at = |place: [f64; 2]| {
             let raised_m = self.array.raised_m(self.on_array_m(place));
             let scale = (self.array.gap_m + raised_m) / (self.pupils.exit_m - raised_m);
             let difference = (scale - self.array.gap_m / self.pupils.exit_m).abs();
             difference * (place[0].hypot(place[1]) + 2.0 * self.exit_pupil_radius_m())
         };
-        2.0 * corners.map(at).into_iter().fold(0.0, f64::max)
+        of_glass + 2.0 * corners.map(at).into_iter().fold(0.0, f64::max)
     }
 
     /// The place on the array that a micro-image center belongs to, from the origin of the array.
@@ -450,10 +498,11 @@ impl PlenopticCamera {
         lens: &Microlens,
         rows: std::ops::Range<usize>,
     ) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + use<> {
-        let [x, y] = self.position_px(lens.image_center_m);
         let scale = lens.gap_m / lens.pupils.exit_m;
-        let outer_m = self.main_lens.aperture.inner_and_outer()[1] * self.exit_pupil_radius_m();
-        let dark_m = scale * (outer_m + lens.alpha.abs() * self.outer_radius_m(lens.lens_type));
+        let [x, y] = self.position_px([0, 1].map(|k| lens.image_center_m[k] + scale * lens.pupil.center_m[k]));
+        let outer_m = self.main_lens.aperture.inner_and_outer()[1] * lens.pupil.radius_m;
+        let lit_m = outer_m + lens.alpha.abs() * self.outer_radius_m(lens.lens_type);
+        let dark_m = if lens.pupil.radius_m > 0.0 { scale * lit_m } else { -self.sensor.pixel_m };
         let dark = dark_m / self.sensor.pixel_m;
         // Light-sensitive squares reach half of the fill factor from the centers of pixels.
         let half = self.sensor.fill / 2.0;

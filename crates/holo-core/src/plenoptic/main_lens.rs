@@ -1,6 +1,6 @@
 //! The main lens: focal length, pupils, focus, further stops and distortion.
 
-use super::{Distortion, PupilShape};
+use super::{Distortion, Paraxial, Prescription, PupilShape};
 use crate::Error;
 use crate::error::positive;
 
@@ -23,7 +23,7 @@ pub struct Stop {
 pub enum ArrayFocus {
     /// The distance itself, from the array to the main lens, in meters.
     Distance {
-        /// The distance, in meters.
+        /// The distance, in meters; with a prescription that from the array to the last surface.
         mla_distance_m: f64,
     },
     /// The depth whose image lies at a virtual depth.
@@ -36,7 +36,7 @@ pub enum ArrayFocus {
     },
 }
 
-/// A main lens, not validated: a thin lens with an aperture stop.
+/// A main lens, not validated: a thin lens with an aperture stop, or one of glass.
 ///
 /// # Units
 ///
@@ -57,6 +57,10 @@ pub struct MainLens {
     pub stops: Vec<Stop>,
     /// The distortion.
     pub distortion: Distortion,
+    /// The surfaces of a lens of glass, whose [rays near the axis](Prescription::paraxial) the focal length, the f-number and
+    /// the exit pupil then follow from: [`PlenopticCamera::new`](super::PlenopticCamera::new) sets them. Its aperture is round,
+    /// and neither further stops nor distortion may be given beside it.
+    pub prescription: Option<Prescription>,
 }
 
 /// The numbers of a main lens that rays need.
@@ -102,7 +106,72 @@ impl MainLens {
     pub const fn new(focal_length_m: f64, f_number: f64, focus_m: f64) -> Self {
         let focus = ArrayFocus::Depth { depth_m: focus_m, virtual_depth: 0.0 };
         let (aperture, distortion) = (PupilShape::Round, Distortion::NONE);
-        Self { focal_length_m, f_number, focus, exit_pupil_m: None, aperture, stops: Vec::new(), distortion }
+        Self {
+            focal_length_m,
+            f_number,
+            focus,
+            exit_pupil_m: None,
+            aperture,
+            stops: Vec::new(),
+            distortion,
+            prescription: None,
+        }
+    }
+
+    /// Returns a lens of glass.
+    #[must_use]
+    pub fn of_glass(prescription: Prescription, focus: ArrayFocus) -> Self {
+        let Paraxial { focal_length_m, f_number, .. } = *prescription.paraxial();
+        Self { focus, prescription: Some(prescription), ..Self::new(focal_length_m, f_number, 1.0) }
+    }
+
+    /// Returns the lens with another f-number: one of glass with its stop closed to it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if a lens of glass is not that open.
+    pub fn with_f_number(&self, f_number: f64) -> Result<Self, Error> {
+        let prescription = self.prescription.as_ref().map(|lens| lens.stopped_down(f_number)).transpose()?;
+        Ok(Self { f_number, prescription, ..self.clone() })
+    }
+
+    /// The same lens with the numbers that follow from its prescription, if it has one, in front of an array `gap_m` from the
+    /// sensor.
+    pub(super) fn resolved(mut self, gap_m: f64) -> Result<Self, Error> {
+        let Some(prescription) = &self.prescription else { return Ok(self) };
+        if self.aperture != PupilShape::Round || !self.stops.is_empty() || !self.distortion.is_none() {
+            let (what, value) =
+                ("number of further apertures, stops and distortions of a lens with a prescription", 1.0);
+            return Err(Error::BadNumber { what, value, need: "0: they follow from its surfaces" });
+        }
+        let paraxial = prescription.paraxial();
+        (self.focal_length_m, self.f_number) = (paraxial.focal_length_m, paraxial.f_number);
+        let lens_m = self.principal_distance(paraxial, gap_m)?;
+        self.exit_pupil_m = Some(lens_m - paraxial.exit_pupil_from_principal_m());
+        Ok(self)
+    }
+
+    /// The distance from the array to the rear principal plane of a lens of glass.
+    fn principal_distance(&self, paraxial: &Paraxial, gap_m: f64) -> Result<f64, Error> {
+        let f = paraxial.focal_length_m;
+        match self.focus {
+            ArrayFocus::Distance { mla_distance_m } => {
+                let behind_m =
+                    positive("distance of the microlens array from the last lens surface in meters", mla_distance_m)?;
+                Ok(behind_m - paraxial.rear_principal_m)
+            }
+            ArrayFocus::Depth { depth_m, virtual_depth } => {
+                let from_principal_m = depth_m + paraxial.entrance_pupil_from_principal_m();
+                let image_m = 1.0 / (1.0 / f - 1.0 / from_principal_m);
+                let lens_m = image_m - virtual_depth * gap_m;
+                let behind_m = lens_m + paraxial.rear_principal_m;
+                if depth_m.is_nan() || depth_m == 0.0 || !(behind_m.is_finite() && behind_m > 0.0) {
+                    let need = "a depth that this lens images behind its last surface";
+                    return Err(Error::BadNumber { what: "focus distance in meters", value: depth_m, need });
+                }
+                Ok(lens_m)
+            }
+        }
     }
 
     /// Validates the lens in front of an array `gap_m` from the sensor.
@@ -112,9 +181,12 @@ impl MainLens {
         if let Some(exit_m) = self.exit_pupil_m {
             positive("distance of the exit pupil from the microlens array in meters", exit_m)?;
         }
-        let lens_m = match self.focus {
-            ArrayFocus::Distance { mla_distance_m } => mla_distance_m,
-            ArrayFocus::Depth { depth_m, virtual_depth } => self.distance_for(depth_m, virtual_depth * gap_m)?,
+        let lens_m = match (&self.prescription, self.focus) {
+            (Some(lens), _) => self.principal_distance(lens.paraxial(), gap_m)?,
+            (None, ArrayFocus::Distance { mla_distance_m }) => mla_distance_m,
+            (None, ArrayFocus::Depth { depth_m, virtual_depth }) => {
+                self.distance_for(depth_m, virtual_depth * gap_m)?
+            }
         };
         let lens_m = positive("distance of the main lens from the microlens array in meters", lens_m)?;
         for stop in &self.stops {

@@ -1,5 +1,6 @@
 //! One microlens of a camera: its rays, and through which part of it light reaches a place on the sensor.
 
+use super::glass_lens::GlassLens;
 use super::lune::Opening;
 use super::main_lens::Pupils;
 use super::{LensAperture, LitRegion, MicrolensFocus, MicrolensIndex, PlenopticCamera, PupilShape};
@@ -34,9 +35,20 @@ pub struct Microlens {
     /// The displacement over the exit pupil per displacement on the microlens.
     pub alpha: f64,
     pub(super) pupils: Pupils,
+    pub(super) pupil: LitPupil,
 }
 
-/// How the rays of a microlens depend on the points that they pass, without distortion, along x and y alike: a point X from
+/// A disc in the plane of the exit pupil that holds all light for a microlens, in meters from the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LitPupil {
+    pub center_m: [f64; 2],
+    /// 0 for a microlens that no light reaches.
+    pub radius_m: f64,
+    /// The radius around the axis within which all is light, for a round pupil; below 0 if there is none.
+    pub inner_m: f64,
+}
+
+/// How the rays of a microlens depend on the points that they pass, without distortion and near the axis of a lens of glass, along x and y alike: a point X from
 /// the center of the micro-image and a point Q from the center of the microlens, both in meters.
 ///
 /// origin = `origin_per_sensor` X - `origin_per_lens` Q, direction = `slope_per_m` (C + Q) - `inverse_focus_per_m` origin
@@ -58,6 +70,13 @@ pub struct RayCoefficients {
 }
 
 impl Microlens {
+    /// Returns the distance from the array to the exit pupil that it sees, in meters: where its chief ray crosses the axis.
+    #[inline]
+    #[must_use]
+    pub const fn exit_pupil_m(&self) -> f64 {
+        self.pupils.exit_m
+    }
+
     /// Returns how its rays depend on the points that they pass.
     #[inline]
     #[must_use]
@@ -96,8 +115,29 @@ impl PlenopticCamera {
                 (pupils, self.alpha_for(lens_type, gap_m, pupils.exit_m))
             }
         };
+        let radius_m = self.exit_pupil_radius_m();
+        let pupil = LitPupil { center_m: [0.0; 2], radius_m, inner_m: radius_m };
         let image_center_m = center_m.map(|x| x * (1.0 + gap_m / pupils.exit_m));
-        Microlens { index, lens_type, center_m, image_center_m, gap_m, alpha, pupils }
+        let lens = Microlens { index, lens_type, center_m, image_center_m, gap_m, alpha, pupils, pupil };
+        match &self.glass {
+            None => lens,
+            Some(glass) => self.behind_glass(glass, lens),
+        }
+    }
+
+    /// The same microlens behind a lens of glass, with the pupil that it has at this distance from the axis.
+    fn behind_glass(&self, glass: &GlassLens, mut lens: Microlens) -> Microlens {
+        let raised_m = lens.gap_m - self.array().gap_m;
+        let field = glass.field_of_raised(lens.center_m, raised_m);
+        let exit_m = field.exit_m - raised_m;
+        let away_m = lens.center_m[0].hypot(lens.center_m[1]);
+        let along = if away_m > 0.0 { lens.center_m.map(|x| x / away_m) } else { [0.0; 2] };
+        lens.pupils.exit_m = exit_m;
+        lens.alpha = self.alpha_for(lens.lens_type, lens.gap_m, exit_m);
+        lens.image_center_m = lens.center_m.map(|x| x * (1.0 + lens.gap_m / exit_m));
+        let center_m = along.map(|x| x * field.center_m);
+        lens.pupil = LitPupil { center_m, radius_m: field.radius_m, inner_m: field.inner_m };
+        lens
     }
 
     /// Alpha of a type of microlens, or of gaps, at a distance from sensor and exit pupil.
@@ -105,28 +145,28 @@ impl PlenopticCamera {
         let vergence = match &self.array().focus {
             _ if lens_type == self.array().type_count() => 0.0,
             // Exactly 0.
-            MicrolensFocus::Pupil => return 0.0,
-            MicrolensFocus::Lengths(lengths) => 1.0 / lengths[lens_type],
+            MicrolensFocus::Pupil if self.glass.is_none() => return 0.0,
+            MicrolensFocus::Pupil | MicrolensFocus::Lengths(_) => 1.0 / self.microlens_focal_lengths_m()[lens_type],
         };
         1.0 + exit_m * (1.0 / gap_m - vergence)
     }
 
-    /// Returns the ray from a place on the sensor through a point of a microlens, both in meters in upright coordinates.
-    /// It may miss the pupil, see [`passes`](Self::passes).
+    /// Returns the ray from a place on the sensor through a point of a microlens, both in meters in upright coordinates. A
+    /// ray of a thin lens may miss the pupil, see [`passes`](Self::passes); `None` is one that a lens of glass stops.
     ///
-    /// Without distortion, all rays through one point of a microlens meet in one point of the plane in focus.
+    /// Without distortion and glass, all rays through one point of a microlens meet in one point of the plane in focus.
     ///
     /// # Source
     ///
     /// Thin lenses one after the other, collected: with C' the [center of the micro-image](Self::micro_image_center_m),
     /// origin = m (D_X / d) (X - C') - m alpha (Q - C), direction = g Q - origin / F, g = (1 + o_E / F) / D, where Q is
-    /// [undistorted](super::Distortion::undistorted) first.
+    /// [undistorted](super::Distortion::undistorted) first. Through glass by the law of refraction, surface by surface.
     ///
     /// # Accuracy
     ///
     /// Rounding of f64.
     #[must_use]
-    pub fn ray(&self, place_m: [f64; 2], lens_point_m: [f64; 2], lens: MicrolensIndex) -> PlenopticRay {
+    pub fn ray(&self, place_m: [f64; 2], lens_point_m: [f64; 2], lens: MicrolensIndex) -> Option<PlenopticRay> {
         let lens = self.microlens(lens);
         let on_sensor = [0, 1].map(|k| place_m[k] - lens.image_center_m[k]);
         let on_lens = [0, 1].map(|k| lens_point_m[k] - lens.center_m[k]);
@@ -137,17 +177,21 @@ impl PlenopticCamera {
     /// (X - C'), that on the microlens to its center (Q - C).
     #[inline]
     #[must_use]
-    pub fn relative_ray(&self, lens: &Microlens, on_sensor_m: [f64; 2], on_lens_m: [f64; 2]) -> PlenopticRay {
+    pub fn relative_ray(&self, lens: &Microlens, on_sensor_m: [f64; 2], on_lens_m: [f64; 2]) -> Option<PlenopticRay> {
+        if let Some(glass) = &self.glass {
+            let (ray, passes) = self.glass_ray(glass, lens, on_sensor_m, on_lens_m);
+            return passes.then_some(ray);
+        }
         let RayCoefficients { origin_per_sensor, origin_per_lens, slope_per_m, inverse_focus_per_m } =
             lens.ray_coefficients();
         let origin_m = [0, 1].map(|k| origin_per_sensor * on_sensor_m[k] - origin_per_lens * on_lens_m[k]);
         let point = [0, 1].map(|k| lens.center_m[k] + on_lens_m[k]);
         let point = self.main_lens().distortion.undistorted(point);
         let direction = [0, 1].map(|k| slope_per_m * point[k] - origin_m[k] * inverse_focus_per_m);
-        PlenopticRay { origin_m, direction }
+        Some(PlenopticRay { origin_m, direction })
     }
 
-    /// Returns whether a ray passes the pupil and the further stops.
+    /// Returns whether a ray of a thin lens passes the pupil and the further stops.
     #[must_use]
     pub fn passes(&self, ray: &PlenopticRay) -> bool {
         self.main_lens().aperture.contains(ray.origin_m, self.pupils.entrance_radius_m) && self.passes_stops(ray)
@@ -175,7 +219,7 @@ impl PlenopticCamera {
     }
 
     /// Returns the part of a microlens through which light of the pupil reaches a place on the sensor, whatever further
-    /// stops do.
+    /// stops do; for a lens of glass that of a disc around the light.
     #[must_use]
     pub fn lit_region(&self, place_m: [f64; 2], lens: MicrolensIndex) -> LitRegion {
         let lens = self.microlens(lens);
@@ -195,13 +239,8 @@ impl PlenopticCamera {
             rotation_rad: array.rotation_rad,
             cell: (lens.lens_type == array.type_count()).then(|| array.cell()),
         };
-        LitRegion::new(
-            opening,
-            self.main_lens().aperture,
-            self.exit_pupil_radius_m(),
-            on_sensor_m.map(|x| scale * x),
-            sign * lens.alpha,
-        )
+        let from_center = [0, 1].map(|k| scale * on_sensor_m[k] - sign * lens.pupil.center_m[k]);
+        LitRegion::new(opening, self.main_lens().aperture, lens.pupil.radius_m, from_center, sign * lens.alpha)
     }
 
     /// Returns the distance from the center of the micro-image within which places on the sensor get light through all of a
@@ -210,9 +249,21 @@ impl PlenopticCamera {
     pub fn lit_whole_radius_m(&self, lens: &Microlens) -> f64 {
         match (self.array().aperture, self.main_lens().aperture) {
             (LensAperture::Round { radius_m }, PupilShape::Round) if lens.lens_type != self.array().type_count() => {
-                (self.exit_pupil_radius_m() - lens.alpha.abs() * radius_m) * lens.gap_m / lens.pupils.exit_m
+                (lens.pupil.inner_m - lens.alpha.abs() * radius_m) * lens.gap_m / lens.pupils.exit_m
             }
             _ => -1.0,
+        }
+    }
+
+    /// Whether the light from a place on the sensor through a point of a microlens within the pupil passes further stops, or the
+    /// lens of glass by the table of its edge.
+    pub(super) fn lets_pass(&self, lens: &Microlens, on_sensor_m: [f64; 2], on_lens_m: [f64; 2]) -> bool {
+        match &self.glass {
+            Some(glass) => {
+                let [place, slope] = self.to_glass(lens, on_sensor_m, on_lens_m);
+                glass.table().within_m(place, slope) >= 0.0
+            }
+            None => self.relative_ray(lens, on_sensor_m, on_lens_m).is_some_and(|ray| self.passes_stops(&ray)),
         }
     }
 

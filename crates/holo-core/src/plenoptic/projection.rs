@@ -1,7 +1,8 @@
 //! Where points of the scene appear on the sensor: chief pixels, virtual depth and blur.
 
+use super::glass_lens::GlassLens;
 use super::main_lens::Pupils;
-use super::{MicrolensIndex, PlenopticCamera};
+use super::{Microlens, MicrolensIndex, PlenopticCamera};
 
 /// The arrangement of a plenoptic camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,8 +91,9 @@ impl PlenopticCamera {
         self.kappa(depth_m, lens_type) * self.array().aperture.half_width_m() / self.sensor().pixel_m
     }
 
-    /// Returns where a point of the scene appears through a microlens; `None` if it is not in front of the camera, or if
-    /// the main lens images it onto the array, so that it lights a whole micro-image.
+    /// Returns where a point of the scene appears through a microlens; `None` if it is not in front of the camera, if
+    /// the main lens images it onto the array, so that it lights a whole micro-image, or if it is far outside of the light of a lens
+    /// of glass.
     ///
     /// The result may lie outside of the micro-image and of the sensor; whether the pupil lets the light through is not
     /// checked.
@@ -117,15 +119,72 @@ impl PlenopticCamera {
         if rest == 0.0 {
             return None;
         }
-        let center = self.main_lens().distortion.undistorted(lens.center_m);
+        let center = self.undistorted_m(lens.center_m);
         let per_pupil = lens.gap_m / (magnification * exit_m);
         let place = [0, 1].map(|k| {
             let origin = (point_m[k] - depth_m * slope_per_m * center[k]) / rest;
             lens.image_center_m[k] + per_pupil * origin
         });
+        let place = match &self.glass {
+            None => place,
+            Some(glass) => self.through_glass(glass, &lens, point_m, place)?,
+        };
         let kappa = per_pupil * (magnification * lens.alpha - depth_m * slope_per_m / rest);
         let blur_radius_px = kappa * self.array().aperture.half_width_m() / self.sensor().pixel_m;
         Some(MicroImagePoint { position_px: self.position_px(place), kappa, blur_radius_px })
+    }
+
+    /// The place on the sensor whose ray through the center of a microlens meets a point of the scene through a lens of glass, by
+    /// Newton's method from a place near it.
+    fn through_glass(
+        &self,
+        glass: &GlassLens,
+        lens: &Microlens,
+        point_m: [f64; 3],
+        place_m: [f64; 2],
+    ) -> Option<[f64; 2]> {
+        let miss = |on_sensor: [f64; 2]| {
+            let (ray, _) = self.glass_ray(glass, lens, on_sensor, [0.0; 2]);
+            [0, 1].map(|k| ray.origin_m[k] - point_m[2] * ray.direction[k] - point_m[k])
+        };
+        let reach_m = self.exit_pupil_radius_m() * lens.gap_m / lens.exit_pupil_m();
+        let start = [0, 1].map(|k| place_m[k] - lens.image_center_m[k]);
+        let mut on_sensor = start.map(|x| x * (reach_m / start[0].hypot(start[1])).min(1.0));
+        let step_m = 1e-4 * lens.gap_m;
+        for _ in 0..30 {
+            let [x, y] = miss(on_sensor);
+            let [right, up] =
+                [[step_m, 0.0], [0.0, step_m]].map(|by| miss([on_sensor[0] + by[0], on_sensor[1] + by[1]]));
+            let [[xx, yx], [xy, yy]] =
+                [[right[0] - x, right[1] - y], [up[0] - x, up[1] - y]].map(|by| by.map(|x| x / step_m));
+            let determinant = xx * yy - xy * yx;
+            let by = [(yy * x - xy * y) / determinant, (xx * y - yx * x) / determinant];
+            let length_m = by[0].hypot(by[1]);
+            if !length_m.is_finite() {
+                return None;
+            }
+            // Steps stay within the light, beyond which glass sends rays anywhere.
+            let part = (0.5 * reach_m / length_m).min(1.0);
+            on_sensor = [0, 1].map(|k| on_sensor[k] - part * by[k]);
+            // The differences leave a few digits of the last step.
+            if length_m <= 1e-13 {
+                return Some([0, 1].map(|k| lens.image_center_m[k] + on_sensor[k]));
+            }
+        }
+        None
+    }
+
+    /// Returns the place on the array at which the chief ray of a place would arrive if the main lens were free of distortion.
+    ///
+    /// # Units
+    ///
+    /// Meters from the axis, in upright coordinates.
+    #[must_use]
+    pub fn undistorted_m(&self, place_m: [f64; 2]) -> [f64; 2] {
+        match &self.glass {
+            None => self.main_lens().distortion.undistorted(place_m),
+            Some(glass) => glass.chief(place_m).direction.map(|x| x[0] / self.pupils.slope_per_m),
+        }
     }
 
     /// Returns the microlenses through which a point of the scene appears within its micro-image, at most `radius_px` from
@@ -140,12 +199,15 @@ impl PlenopticCamera {
         let size = self.sensor().size;
         let corners = [[0.0, size.rows as f64], [size.columns as f64, 0.0]].map(|corner| self.place_m(corner));
         let [mut low, mut high] = corners.map(|corner| corner.map(|x| x / self.micro_image_scale()));
-        // X_c - C' = (P - Z g C) / (1 - Z/F) in the pupil: for undistorted microlenses on a plane their centers lie in a disc.
+        // X_c - C' = (P - Z g C) / (1 - Z/F) in the pupil: for undistorted microlenses on a plane their centers lie in a disc, and
+        // behind a lens of glass nearly so.
         if self.main_lens().distortion.is_none() && self.array().tilt_rad == [0.0; 2] {
             let Pupils { magnification, exit_m, inverse_focus_per_m, slope_per_m, .. } = self.pupils;
             let per_center = -point_m[2] * slope_per_m;
             let in_pupil_m = radius_px * self.sensor().pixel_m * magnification.abs() * exit_m / self.array().gap_m;
             let radius_m = in_pupil_m * (1.0 + point_m[2] * inverse_focus_per_m).abs() / per_center.abs();
+            let radius_m =
+                self.glass.as_ref().map_or(radius_m, |glass| 1.5 * radius_m + glass.astray_m(point_m[2], slope_per_m));
             for k in 0..2 {
                 low[k] = low[k].max(point_m[k] / per_center - radius_m);
                 high[k] = high[k].min(point_m[k] / per_center + radius_m);

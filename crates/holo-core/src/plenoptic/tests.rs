@@ -6,6 +6,7 @@ use super::*;
 use crate::{GridSize, LightFieldShape, Rig};
 
 mod calibration;
+mod glass;
 mod real_lenses;
 mod views;
 mod white;
@@ -92,7 +93,7 @@ fn rays_equal_those_through_one_thin_lens_after_the_other() {
             let pitch = camera.array().pitch_m;
             let q = camera.lens_center_m(lens).map(|c| numbers.around(c, pitch));
             let (expected, pupil) = step_by_step(&camera, x, q, lens);
-            let ray = camera.ray(x, q, lens);
+            let ray = camera.ray(x, q, lens).expect("a thin lens");
             for k in 0..2 {
                 assert!((ray.origin_m[k] - expected.origin_m[k]).abs() < 1e-14, "{ray:?} {expected:?}");
                 assert!((ray.direction[k] - expected.direction[k]).abs() < 1e-14, "{ray:?} {expected:?}");
@@ -131,7 +132,7 @@ fn lit_regions_hold_the_points_whose_rays_pass() {
             let center = square.lens_center_m(lens);
             for _ in 0..8 {
                 let Some([px, py]) = region.point([numbers.next(), numbers.next()]) else { continue };
-                let ray = square.ray(x, [center[0] + px, center[1] + py], lens);
+                let ray = square.ray(x, [center[0] + px, center[1] + py], lens).expect("a thin lens");
                 // A millionth of the pupil: the rounding of points at its edge.
                 let inner = PlenopticRay { origin_m: ray.origin_m.map(|o| o * (1.0 - 1e-6)), ..ray };
                 assert!(square.passes(&inner), "{aperture:?} {pupil:?}");
@@ -142,7 +143,8 @@ fn lit_regions_hold_the_points_whose_rays_pass() {
             let at = |k: usize| ((k as f64 + 0.5) / 40.0 - 1.0) * outer;
             let passing = (0..80 * 80).filter(|k| {
                 let point = [at(k % 80), at(k / 80)];
-                let passes = square.passes(&square.ray(x, [center[0] + point[0], center[1] + point[1]], lens));
+                let ray = square.ray(x, [center[0] + point[0], center[1] + point[1]], lens);
+                let passes = square.passes(&ray.expect("a thin lens"));
                 passes && super::lune::is_in_lens(aperture, 0.0, point)
             });
             let counted = passing.count() as f64 * (outer / 40.0).powi(2);
@@ -177,7 +179,8 @@ fn the_limit_is_the_ideal_rig() {
             let center = camera.lens_center_m(lens);
             let q = [center[0] + (jx - 0.5) * pitch, center[1] + (0.5 - jy) * pitch];
             let x = camera.place_m([(u * 9 + s) as f64 + 0.5, (v * 9 + t) as f64 + 0.5]);
-            let (ray, expected) = (camera.ray(x, q, lens), rig.ray(v, u, t, s, jx, jy));
+            let ray = camera.ray(x, q, lens).expect("a thin lens");
+            let expected = rig.ray(v, u, t, s, jx, jy);
             for k in 0..2 {
                 assert!((ray.origin_m[k] - expected.origin_m[k]).abs() < 1e-14, "{exit:?} {ray:?} {expected:?}");
                 assert!((ray.direction[k] - expected.direction[k]).abs() < 1e-14, "{exit:?} {ray:?} {expected:?}");
@@ -396,7 +399,7 @@ fn decoded_views_are_those_of_the_rotated_rig() {
         let raw = ndarray::Array3::from_shape_fn((size.rows, size.columns, 1), |(row, column, _)| {
             let place = camera.place_m([column as f64 + 0.5, row as f64 + 0.5]);
             let lens = camera.owner(place);
-            let ray = camera.ray(place, camera.lens_center_m(lens), lens);
+            let ray = camera.ray(place, camera.lens_center_m(lens), lens).expect("a thin lens");
             pattern(ray.origin_m, ray.direction) as f32
         });
         let white = ndarray::Array2::from_elem((size.rows, size.columns), 1.0);

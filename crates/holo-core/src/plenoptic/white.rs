@@ -5,6 +5,7 @@ use std::ops::Range;
 use ndarray::{Array2, ArrayViewMut2, Axis};
 
 mod area;
+mod glass;
 
 use self::area::{SMALL_SQUARE, area_of, clipped, quadrant, small_square};
 use super::microlenses::HEX_ROW;
@@ -43,7 +44,7 @@ impl PlenopticCamera {
     /// Quadrature over pixel and microlens, for microlenses of f/1.6 or slower: 2e-4 of the whole light. If the image of
     /// the pupil moves by less than 0.05 px over a microlens, single pixels at the edges of micro-images are within 2e-3,
     /// and the light of all pixels in which micro-images overlap is within 5e-4; if it moves farther, single pixels are
-    /// within 2e-2.
+    /// within 2e-2. So are those at the edges of the light of a lens of glass.
     ///
     /// # Errors
     ///
@@ -77,7 +78,11 @@ impl PlenopticCamera {
         let rows = first..first + band.nrows();
         for line in self.lens_lines(rows.clone()) {
             for lens in self.lenses_on_line(line, rows.clone()).flat_map(|lens| self.openings(lens)) {
-                let edge = if self.is_clear_of_stops(&lens) { rule.edges[lens.lens_type] } else { Edge::Stopped };
+                let edge = match rule.edges[lens.lens_type] {
+                    Edge::Wide(_) if self.has_glass() => Edge::Stopped,
+                    edge if self.is_clear_of_stops(&lens) => edge,
+                    _ => Edge::Stopped,
+                };
                 let light = Light::new(self, rule, lens);
                 for (row, columns) in self.lit_pixels(&lens, rows.clone()) {
                     for column in columns {
@@ -136,7 +141,7 @@ enum Edge {
     /// It moves by several pixels, or the microlens is larger than the pupil's image: integrated over points of the
     /// pixel, this many along each side.
     Wide(usize),
-    /// Further stops may block a part: integrated over points of both.
+    /// Further stops may block a part, or the edge of a lens of glass is wide: integrated over points of both.
     Stopped,
 }
 
@@ -257,7 +262,7 @@ struct Light<'a> {
 
 impl<'a> Light<'a> {
     fn new(camera: &'a PlenopticCamera, rule: &'a Rule, lens: Microlens) -> Self {
-        let inner = camera.main_lens().aperture.inner_and_outer()[0] * camera.exit_pupil_radius_m();
+        let inner = camera.main_lens().aperture.inner_and_outer()[0] * lens.pupil.inner_m;
         let moved = lens.alpha.abs() * camera.array().aperture.outer_radius_m();
         let scale = lens.gap_m / lens.pupils.exit_m;
         let radius_m = scale * camera.exit_pupil_radius_m();
@@ -398,7 +403,8 @@ impl<'a> Light<'a> {
         sum / 256.0 * region.sampled_area_m2() / self.camera.array().aperture.area_m2()
     }
 
-    /// The light that further stops let pass: of rays from points of the pixel through points of the microlens.
+    /// The light that further stops or a lens of glass let pass: of rays from points of the pixel through points of the
+    /// microlens.
     fn stopped(&self, middle: [f64; 2]) -> f64 {
         let pixel = self.width_m();
         // Every pixel has its own points, so that their errors cancel.
@@ -410,7 +416,7 @@ impl<'a> Light<'a> {
             let on_sensor = self.on_sensor(place);
             let region = self.camera.relative_lit_region(&self.lens, on_sensor);
             let point = region.point([u, v])?;
-            let passes = self.camera.passes_stops(&self.camera.relative_ray(&self.lens, on_sensor, point));
+            let passes = self.camera.lets_pass(&self.lens, on_sensor, point);
             passes.then(|| self.cos4(place, point) * region.sampled_area_m2())
         };
         let sum = evenly_spread(SPACE_STEPS, STOPPED_POINTS).filter_map(light).sum::<f64>();
@@ -420,6 +426,9 @@ impl<'a> Light<'a> {
     /// The share of a pixel that light through one point of the microlens reaches: that of the image of the pupil.
     fn covered_share(&self, point: [f64; 2], middle: [f64; 2]) -> f64 {
         let (camera, pixel) = (self.camera, self.width_m());
+        if let Some(glass) = &camera.glass {
+            return self.share_through(glass, point, middle);
+        }
         let from = self.on_sensor(middle);
         let from = [0, 1].map(|k| from[k] - self.scale * self.lens.alpha * point[k]);
         let per_radius = self.per_radius;

@@ -1,7 +1,7 @@
 //! The optics of rigs and plenoptic cameras as named numbers.
 
 use holo_core::optics::{CameraDesign, DepthRange, DisparityRange, Optics, rig_for_disparities};
-use holo_core::plenoptic::{PlenopticCamera, PlenopticMode};
+use holo_core::plenoptic::{Aberrations, PlenopticCamera, PlenopticMode};
 use holo_core::{Intrinsics, LightFieldShape, Remainder, Rig, automatic_baseline_m};
 
 use super::quantity::NamedQuantity;
@@ -15,6 +15,13 @@ const WAVELENGTH_M: f64 = 550e-9;
 
 /// Sensors with more pixels are judged by some of their rows, which have about this many.
 const MOST_PIXELS: usize = 1 << 26;
+
+/// Places from the axis to the corner at which a lens of glass is judged, but for the axis.
+const FIELDS: usize = 5;
+
+/// The F and the C line, nm.
+const F_LINE_NM: f64 = 486.1327;
+const C_LINE_NM: f64 = 656.2725;
 
 /// The rows of a band of these pixels.
 const BAND_ROWS: usize = 512;
@@ -79,7 +86,36 @@ pub fn camera_optics(camera: &PlenopticCamera, depths_m: &[f64]) -> Result<Vec<N
         let blur = types.clone().map(|k| 2.0 * camera.blur_radius_px(depth_m, k).abs()).collect();
         row(&key("blur_px"), &at("blur of every type"), List(blur), "px");
     }
+    rows.extend(glass_optics(camera));
     Ok(rows)
+}
+
+/// The properties of a main lens of glass: what it does otherwise than a thin lens, from the axis to the corner of the sensor.
+fn glass_optics(camera: &PlenopticCamera) -> Vec<NamedQuantity> {
+    let Some(lens) = &camera.main_lens().prescription else { return Vec::new() };
+    let size = camera.sensor().size;
+    let corner_m = [[0.0, 0.0], [size.columns as f64, size.rows as f64]].map(|corner| camera.place_m(corner));
+    let corner_m = corner_m.map(|[x, y]| x.hypot(y)).into_iter().fold(0.0, f64::max) / camera.micro_image_scale();
+    let field: Vec<_> = (0..=FIELDS).filter_map(|k| camera.aberrations(corner_m * k as f64 / FIELDS as f64)).collect();
+    let paraxial = lens.paraxial();
+    let list = |value: fn(&Aberrations) -> f64| List(field.iter().map(value).collect());
+    let chromatic = [F_LINE_NM, C_LINE_NM].map(|nm| camera.chromatic_shift_m(nm).unwrap_or_default() * 1e3);
+    let um = "\u{b5}m";
+    [
+        ("focal_length_mm", "focal length", Number(paraxial.focal_length_m * 1e3), "mm"),
+        ("f_number", "f-number", Number(paraxial.f_number), ""),
+        ("back_focal_mm", "image of infinity from the last surface", Number(paraxial.back_focal_m * 1e3), "mm"),
+        ("chromatic_shift_mm", "focus of 486 and 656 nm behind that of 588 nm", List(chromatic.to_vec()), "mm"),
+        ("field_mm", "places on the array, from the axis", list(|at| at.field_m * 1e3), "mm"),
+        ("distortion", "distortion there", list(|at| at.distortion * 100.0), "%"),
+        ("pupil_share", "light that vignetting leaves", list(|at| at.pupil_share * 100.0), "%"),
+        ("spot_um", "spot of a point in focus (RMS)", list(|at| at.spot_m * 1e6), um),
+        ("sagittal_mm", "sagittal focus behind the array", list(|at| at.sagittal_m * 1e3), "mm"),
+        ("tangential_mm", "tangential focus behind the array", list(|at| at.tangential_m * 1e3), "mm"),
+        ("lateral_color_um", "486 nm farther from the axis than 656 nm", list(|at| at.lateral_color_m * 1e6), um),
+    ]
+    .map(|(key, name, value, unit)| NamedQuantity::new(key, name, value, unit))
+    .into()
 }
 
 /// The share of pixels that light reaches: of all of them, or on large sensors of some bands of rows, evenly spread.

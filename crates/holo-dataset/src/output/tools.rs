@@ -3,7 +3,7 @@
 mod readme;
 
 use holo_core::color::linear_to_srgb;
-use holo_core::plenoptic::{MainLens, PlenopticCamera};
+use holo_core::plenoptic::PlenopticCamera;
 use holo_core::sensor::{Exposure, SensorModel};
 use holo_core::{ColorEncoding, DynImageRef};
 use holo_io::interop::{
@@ -216,8 +216,8 @@ fn refused(why: holo_io::Error) -> Error {
 fn stopped(camera: &PlenopticCamera) -> Result<Vec<(String, PlenopticCamera)>, holo_io::Error> {
     let stop = |factor: f64| {
         let f_number = camera.main_lens().f_number * factor;
-        let lens = MainLens { f_number, ..camera.main_lens().clone() };
-        let stopped = PlenopticCamera::new(*camera.sensor(), camera.array().clone(), lens);
+        let lens = camera.main_lens().with_f_number(f_number);
+        let stopped = lens.and_then(|lens| PlenopticCamera::new(*camera.sensor(), camera.array().clone(), lens));
         Ok((format!("white_f{f_number:.3}.png"), stopped.map_err(|why| holo_io::Error::Camera(why.to_string()))?))
     };
     STOPS.into_iter().map(stop).collect()

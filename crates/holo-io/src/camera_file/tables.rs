@@ -2,10 +2,12 @@
 
 use holo_core::plenoptic::{
     ArrayFocus, Distortion, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid, PlenopticCamera,
-    PupilShape, Stop,
+    Prescription, PupilShape, Stop,
 };
 use holo_core::{meters_to_millimeters, millimeters_to_meters};
 use serde::Deserialize;
+
+use super::prescription::{Beside, SurfaceTable};
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
@@ -48,6 +50,10 @@ pub(super) struct MainLensTable {
     pub mla_distance_mm: Option<f64>,
     stops: Option<Vec<StopTable>>,
     distortion: Option<DistortionTable>,
+    prescription: Option<String>,
+    scale_to_focal_mm: Option<f64>,
+    close_to_f_number: Option<f64>,
+    surface: Option<Vec<SurfaceTable>>,
 }
 
 #[derive(Deserialize)]
@@ -143,8 +149,12 @@ impl MlaTable {
 }
 
 impl MainLensTable {
-    pub fn lens(&self, base: Option<&PlenopticCamera>) -> Result<MainLens, String> {
+    pub fn lens(&self, base: Option<&PlenopticCamera>, beside: Beside) -> Result<MainLens, String> {
         let base = base.map(PlenopticCamera::main_lens);
+        if let Some(prescription) = self.prescription(beside)? {
+            // The focus of a preset is that of its own lens.
+            return Ok(MainLens::of_glass(prescription, self.focus(None)?));
+        }
         let millimeters =
             |key: &str, value: Option<f64>| value.map(|mm| positive(key, mm).map(millimeters_to_meters)).transpose();
         let focal = millimeters("main_lens.focal_mm", self.focal_mm)?.or(base.map(|base| base.focal_length_m));
@@ -173,8 +183,56 @@ impl MainLensTable {
             (Some(table), _) => Distortion { radial: table.radial_m2, tangential: table.tangential_m },
             (None, base) => base.map(|base| base.distortion).unwrap_or_default(),
         };
+        let focus = self.focus(base)?;
+        let prescription = None;
+        Ok(MainLens { focal_length_m, f_number, focus, exit_pupil_m, aperture, stops, distortion, prescription })
+    }
+
+    /// The lens of glass, if the table describes one.
+    fn prescription(&self, beside: Beside) -> Result<Option<Prescription>, String> {
+        let mut found = match (&self.prescription, &self.surface) {
+            (Some(_), Some(_)) => return Err("main_lens.prescription and main_lens.surface: give one of them".into()),
+            (None, None) => {
+                let keys =
+                    [("scale_to_focal_mm", self.scale_to_focal_mm), ("close_to_f_number", self.close_to_f_number)];
+                return match keys.iter().find(|(_, value)| value.is_some()) {
+                    Some((key, _)) => Err(format!("main_lens.{key} belongs to a prescription, which is not given")),
+                    None => Ok(None),
+                };
+            }
+            (Some(name), None) => beside.prescription(name)?,
+            (None, Some(surfaces)) => {
+                let surfaces = surfaces.iter().zip(1..).map(|(surface, number)| surface.surface(number));
+                let surfaces = surfaces.collect::<Result<Vec<_>, _>>().map_err(|why| format!("main_lens.{why}"))?;
+                Prescription::new(surfaces).map_err(|why| format!("main_lens.surface: {why}"))?
+            }
+        };
+        for (key, is_given) in [
+            ("focal_mm", self.focal_mm.is_some()),
+            ("f_number", self.f_number.is_some()),
+            ("aperture", self.aperture.is_some()),
+            ("exit_pupil_mm", self.exit_pupil_mm.is_some()),
+            ("stops", self.stops.is_some()),
+            ("distortion", self.distortion.is_some()),
+        ] {
+            if is_given {
+                return Err(format!("main_lens.{key} follows from the prescription; remove it"));
+            }
+        }
+        if let Some(mm) = self.scale_to_focal_mm {
+            let focal_m = millimeters_to_meters(positive("main_lens.scale_to_focal_mm", mm)?);
+            found = found.scaled_to(focal_m).map_err(|why| format!("main_lens.scale_to_focal_mm: {why}"))?;
+        }
+        if let Some(f_number) = self.close_to_f_number {
+            found = found.stopped_down(f_number).map_err(|why| format!("main_lens.close_to_f_number: {why}"))?;
+        }
+        Ok(Some(found))
+    }
+
+    /// Where the lens is focused.
+    fn focus(&self, base: Option<&MainLens>) -> Result<ArrayFocus, String> {
         let virtual_depth = finite("main_lens.focus_virtual_depth", self.focus_virtual_depth.unwrap_or(0.0))?;
-        let focus = match (self.focus_m, self.mla_distance_mm) {
+        Ok(match (self.focus_m, self.mla_distance_mm) {
             (Some(_), Some(_)) => {
                 return Err("main_lens.focus_m and main_lens.mla_distance_mm: give one of them".into());
             }
@@ -196,8 +254,7 @@ impl MainLensTable {
                 (Some(focus), None) => focus,
                 _ => return Err(missing("main_lens.focus_m (or main_lens.mla_distance_mm)")),
             },
-        };
-        Ok(MainLens { focal_length_m, f_number, focus, exit_pupil_m, aperture, stops, distortion })
+        })
     }
 }
 

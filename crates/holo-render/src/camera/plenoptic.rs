@@ -71,7 +71,7 @@ pub(crate) struct PlenopticRays {
     pixels: RawPixels,
     /// 1 / (the light of an unvignetted pixel on the axis * area of a microlens).
     scale: f64,
-    /// Where rays start: at the main lens, if that is in front of the entrance pupil.
+    /// Where rays start: at the main lens or its first surface, if that is in front of the entrance pupil.
     near: f32,
     /// Disparity = scale * (1 / depth - inverse focus), px between the views of neighboring pixels.
     disparity_scale_m_px: f64,
@@ -190,6 +190,8 @@ struct Lenses {
     slope: [f64; LANES],
     inverse_focus: [f64; LANES],
     whole_squared: [f64; LANES],
+    alpha: [f64; LANES],
+    exit: [f64; LANES],
 }
 
 impl Lenses {
@@ -202,6 +204,8 @@ impl Lenses {
         slope: [0.0; LANES],
         inverse_focus: [0.0; LANES],
         whole_squared: [0.0; LANES],
+        alpha: [0.0; LANES],
+        exit: [1.0; LANES],
     };
 
     #[inline(always)]
@@ -216,6 +220,8 @@ impl Lenses {
         self.slope[lane] = lens.rays.slope_per_m;
         self.inverse_focus[lane] = lens.rays.inverse_focus_per_m;
         self.whole_squared[lane] = lens.whole_squared;
+        self.alpha[lane] = lens.lens.alpha;
+        self.exit[lane] = lens.lens.exit_pupil_m();
     }
 
     /// cos^4 of the light from a point of the microlens to a place on the sensor, as
@@ -256,7 +262,7 @@ impl PlenopticRays {
         Self {
             pixels,
             scale: 1.0 / (camera.array().aperture.area_m2() * camera.central_cos4()),
-            near: (-camera.entrance_pupil_offset_m() as f32).max(f32::MIN_POSITIVE),
+            near: (camera.front_depth_m() as f32).max(f32::MIN_POSITIVE),
             disparity_scale_m_px: views.baseline_m / views.slope_per_lens,
             whole: WholeLens::new(camera),
             is_distorted: !camera.main_lens().distortion.is_none(),
@@ -351,8 +357,7 @@ impl PlenopticRays {
         }
         let mut valid = pixels.valid();
         self.find_points(pixels, &lenses, &units[1], &mut points, &mut valid);
-        let mut exact = self.rays(&lenses, &points);
-        self.block(&exact, &mut valid);
+        let mut exact = self.passing_rays(&lenses, &points, &mut valid);
         let mut weight = [0.0; LANES];
         for lane in 0..LANES {
             let light = points.area[lane] * lenses.cos4(&points, lane) * self.scale;
@@ -444,6 +449,35 @@ impl PlenopticRays {
         exact
     }
 
+    /// The rays through points of the sensor and of the microlenses; those that further stops or a lens of glass block are not
+    /// valid.
+    #[inline(always)]
+    fn passing_rays(&self, lenses: &Lenses, points: &RayPoints, valid: &mut Lanes<i32>) -> ExactRays {
+        if !self.camera.has_glass() {
+            let exact = self.rays(lenses, points);
+            self.block(&exact, valid);
+            return exact;
+        }
+        let (mut place, mut slope) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2]);
+        let gap = self.camera.array().gap_m;
+        for axis in 0..2 {
+            for lane in 0..LANES {
+                let in_pupil = lenses.exit[lane] / lenses.gap[lane] * points.on_sensor[axis][lane]
+                    - lenses.alpha[lane] * points.on_lens[axis][lane];
+                let point = lenses.center[axis][lane] + points.on_lens[axis][lane];
+                slope[axis][lane] = -(point + in_pupil) / lenses.exit[lane];
+                // On the plane of an array that is not tilted.
+                place[axis][lane] = point - (lenses.gap[lane] - gap) * slope[axis][lane];
+            }
+        }
+        let Some(rays) = self.camera.traced_rays(place, slope) else { return NO_RAYS };
+        for lane in 0..LANES {
+            valid.0[lane] &= -i32::from(rays.clearance[lane] >= 0.0);
+        }
+        let ([origin_x, origin_y], [direction_x, direction_y]) = (rays.origin_m, rays.direction);
+        ExactRays { origin_x, origin_y, direction_x, direction_y }
+    }
+
     #[inline(never)]
     fn undistort(&self, on_array: &mut [[f64; LANES]; 2]) {
         let distortion = self.camera.main_lens().distortion;
@@ -470,13 +504,30 @@ impl PlenopticRays {
         self.camera.sensor().fill * self.camera.sensor().pixel_m
     }
 
-    /// The chief rays: from the centers of the pixels through the centers of their microlenses.
+    /// The chief rays: from the centers of the pixels through the centers of their microlenses. Those that a lens of glass stops
+    /// start infinitely far away, and hit nothing.
     #[inline(always)]
     pub fn chief(&self, pixels: &RawPacket, packet: &mut RayHits) -> ExactRays {
         let lenses = self.lenses(pixels);
         let points = RayPoints { on_sensor: self.on_sensor(pixels, &lenses), ..RayPoints::NONE };
-        let exact = self.rays(&lenses, &points);
+        if !self.camera.has_glass() {
+            let exact = self.rays(&lenses, &points);
+            self.write(&exact, packet);
+            return exact;
+        }
+        let mut passes = Lanes([-1; LANES]);
+        let mut exact = self.passing_rays(&lenses, &points, &mut passes);
+        let mut near = [self.near; LANES];
+        for lane in 0..LANES {
+            if passes.0[lane] == 0 {
+                near[lane] = f32::INFINITY;
+                for x in [&mut exact.origin_x, &mut exact.origin_y, &mut exact.direction_x, &mut exact.direction_y] {
+                    x[lane] = 0.0;
+                }
+            }
+        }
         self.write(&exact, packet);
+        packet.rays.near = near;
         exact
     }
 

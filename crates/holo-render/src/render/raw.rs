@@ -67,7 +67,7 @@ pub(super) fn check(request: &Request, camera: &PlenopticCamera) -> Result<(), E
     for corner in [[0.0, 0.0], [size.columns as f64, size.rows as f64]] {
         let place = camera.place_m(corner);
         let lens = camera.owner(place);
-        let ray = camera.ray(place, camera.lens_center_m(lens), lens);
+        let Some(ray) = camera.ray(place, camera.lens_center_m(lens), lens) else { continue };
         if !ray.origin_m.iter().chain(&ray.direction).all(|x| x.abs() < MAX_COORDINATE_M) {
             return Err(Error::BadSetting(format!(
                 "the camera is too large: a ray starts at {:?} m and runs along {:?}",

@@ -14,7 +14,7 @@ fn wave(camera: &PlenopticCamera, lens: &Microlens, place: [f64; 2], depth: f64,
         let on_sensor = [0, 1].map(|axis| place[axis] + offset[axis] - lens.image_center_m[axis]);
         let region = camera.relative_lit_region(lens, on_sensor);
         for point in (0..256).filter_map(|m| region.point([at(m % 16, 16), at(m / 16, 16)])) {
-            let ray = camera.relative_ray(lens, on_sensor, point);
+            let ray = camera.relative_ray(lens, on_sensor, point).expect("a thin lens");
             let light = camera.relative_cos4(lens, on_sensor, point);
             let (sin, cos) = (k * (ray.origin_m[0] + depth * ray.direction[0])).sin_cos();
             sum = [sum[0] + light * cos, sum[1] + light * sin];
@@ -74,7 +74,7 @@ fn decoded_views_have_the_disparity_of_their_rig() {
         let on_sensor = [0, 1].map(|axis| place[axis] - lens.image_center_m[axis]);
         let region = camera.relative_lit_region(&lens, on_sensor);
         let value = |point: [f64; 2]| {
-            let ray = camera.relative_ray(&lens, on_sensor, point);
+            let ray = camera.relative_ray(&lens, on_sensor, point).expect("a thin lens");
             let x = ray.origin_m[0] + depth * ray.direction[0];
             camera.relative_cos4(&lens, on_sensor, point)
                 * (1.0 + 0.5 * (k * x).cos() + 0.3 * (1.7 * k * x + 1.0).sin())

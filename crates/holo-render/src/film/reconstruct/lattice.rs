@@ -234,7 +234,7 @@ impl Lattice {
             let (row, column) = (k / grid[1], k % grid[1]);
             let index = MicrolensIndex { row: first.row + row as i32, column: first.column + column as i32 };
             let lens = camera.microlens(index);
-            let [x, y] = camera.main_lens().distortion.undistorted(lens.center_m).map(|x| x / array.pitch_m);
+            let [x, y] = camera.undistorted_m(lens.center_m).map(|x| x / array.pitch_m);
             LatticeLens {
                 center: camera.position_px(lens.image_center_m),
                 place: [x, -y],

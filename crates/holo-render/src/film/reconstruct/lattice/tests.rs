@@ -124,7 +124,7 @@ fn the_places_of_pixels_are_where_their_rays_meet() {
                 let [x, y] = place(&lattice, pixel, disparity).map(f64::from);
                 let on_sensor = camera.place_m([pixel[1] as f64 + 0.5, pixel[0] as f64 + 0.5]);
                 let owner = camera.owner(on_sensor);
-                let ray = camera.ray(on_sensor, camera.lens_center_m(owner), owner);
+                let ray = camera.ray(on_sensor, camera.lens_center_m(owner), owner).expect("a thin lens");
                 let [px, py] = [0, 1].map(|k| (ray.origin_m[k] + depth_m * ray.direction[k]) / pitch_m);
                 assert!((px - x).abs() < 1e-4 && (py + y).abs() < 1e-4, "{grid:?} {depth_m}: {px} {py}, {x} {y}");
             }

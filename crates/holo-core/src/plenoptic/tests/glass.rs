@@ -1,0 +1,247 @@
+//! Cameras with a main lens of glass: rays, bounds of the light and white images.
+
+use super::*;
+
+/// A camera of microlenses of f/4 behind an objective, 24 mm wide.
+fn behind(name: &str, f_number: Option<f64>) -> PlenopticCamera {
+    tilted(name, f_number, 0.0)
+}
+
+/// The same with a tilted array.
+fn tilted(name: &str, f_number: Option<f64>, tilt_rad: f64) -> PlenopticCamera {
+    let mut lens = Objective::by_name(name).expect("an objective").prescription().expect("a lens");
+    if let Some(f_number) = f_number {
+        lens = lens.stopped_down(f_number).expect("a closed lens");
+    }
+    let focus = ArrayFocus::Depth { depth_m: 1.5, virtual_depth: 0.0 };
+    let mut array = MicrolensArray::new(MicrolensGrid::HexRows, 100e-6, 300e-6);
+    array.tilt_rad = [tilt_rad, -0.7 * tilt_rad];
+    let sensor = ImageSensor::new(GridSize::new(1600, 2400), 10e-6);
+    PlenopticCamera::new(sensor, array, MainLens::of_glass(lens, focus)).expect("a camera")
+}
+
+const NAMES: [&str; 6] = ["double-gauss", "double-gauss-fast", "petzval", "retrofocus", "telephoto", "tessar"];
+
+/// Light passes nowhere outside of the discs that rays are sampled in, and where the table says so.
+#[test]
+fn the_table_holds_all_light() {
+    let mut numbers = Numbers(5);
+    for (name, tilt_rad) in NAMES.map(|name| (name, 0.0)).into_iter().chain([("double-gauss", 5e-3)]) {
+        let camera = tilted(name, None, tilt_rad);
+        let (mut lit, mut sampled, mut wrong, mut count) = (0, 0, 0, 0);
+        for _ in 0..20_000 {
+            let x = camera.place_m([numbers.next() * 2400.0, numbers.next() * 1600.0]);
+            let lens = camera.microlens(camera.owner(x));
+            let reach = 2.0 * camera.exit_pupil_radius_m() * lens.gap_m / lens.exit_pupil_m();
+            let on_sensor = [numbers.around(0.0, 2.0 * reach), numbers.around(0.0, 2.0 * reach)];
+            let on_lens = [numbers.around(0.0, 70e-6), numbers.around(0.0, 70e-6)];
+            let passes = camera.relative_ray(&lens, on_sensor, on_lens).is_some();
+            let in_pupil = [0, 1].map(|k| {
+                lens.exit_pupil_m() / lens.gap_m * on_sensor[k] - lens.alpha * on_lens[k] - lens.pupil.center_m[k]
+            });
+            let within = in_pupil[0].hypot(in_pupil[1]) <= lens.pupil.radius_m;
+            assert!(within || !passes, "{name}: light outside of the disc, {lens:?} {on_sensor:?}");
+            let inner = (in_pupil[0] + lens.pupil.center_m[0]).hypot(in_pupil[1] + lens.pupil.center_m[1]);
+            assert!(passes || inner > lens.pupil.inner_m, "{name}: darkness within the inner disc, {lens:?}");
+            count += 1;
+            lit += usize::from(passes);
+            sampled += usize::from(within);
+            wrong += usize::from(camera.lets_pass(&lens, on_sensor, on_lens) != passes);
+        }
+        let (lost, wrong) = (1.0 - lit as f64 / sampled as f64, wrong as f64 / lit as f64);
+        println!(
+            "{name}: {:.1} % of sampled rays are stopped, {:.3} % of the table wrong",
+            100.0 * lost,
+            100.0 * wrong
+        );
+        assert!(count > 0 && lit > 1000, "{name}: {lit}");
+        assert!(wrong < 3e-3, "{name}: {wrong}");
+    }
+}
+
+/// Chief rays pass the middle of the stop, and points are seen where their rays come from.
+#[test]
+fn points_are_seen_through_glass() {
+    let mut numbers = Numbers(6);
+    for (name, tilt_rad) in NAMES.map(|name| (name, 0.0)).into_iter().chain([("double-gauss", 5e-3)]) {
+        let camera = tilted(name, Some(8.0), tilt_rad);
+        let glass = camera.glass.as_ref().expect("a lens of glass");
+        let mut seen = 0;
+        for round in 0..120 {
+            let x = camera.place_m([numbers.next() * 2400.0, numbers.next() * 1600.0]);
+            let lens = camera.owner(x);
+            let center = camera.lens_center_m(lens);
+            // The microlens that owns a place is the nearest one there.
+            let owner = camera.micro_image_center_m(lens);
+            let away = (owner[0] - x[0]).hypot(owner[1] - x[1]);
+            assert!(away <= 0.6 * camera.micro_image_pitch_px() * camera.sensor().pixel_m, "{name}: {away}");
+            let miss = if tilt_rad == 0.0 { glass.stop_miss_m(center) } else { 0.0 };
+            assert!(miss.abs() < 1e-12, "{name}: {miss}");
+            // Most places lie in the dark around the images of a pupil that is closed to f/8: this one lies in the light.
+            let x = [0, 1].map(|k| owner[k] + 0.3 * (x[k] - owner[k]));
+            let Some(ray) = camera.ray(x, center, lens) else { continue };
+            for depth in [0.8, 4.0, 60.0] {
+                let point = [0, 1].map(|k| ray.origin_m[k] + depth * ray.direction[k]);
+                let found = camera
+                    .project([point[0], point[1], -depth], lens)
+                    .unwrap_or_else(|| panic!("{name} at {depth}: no image of {x:?}, {:?}", camera.microlens(lens)))
+                    .position_px;
+                let expected = camera.position_px(x);
+                let away = (found[0] - expected[0]).hypot(found[1] - expected[1]);
+                assert!(away < 1e-6, "{name} at {depth}: {found:?} {expected:?}");
+                seen += 1;
+                if round % 100 > 0 {
+                    continue;
+                }
+                let all = camera.lenses_seeing([point[0], point[1], -depth], 6.0);
+                let middle = camera.micro_image_center_px(lens);
+                let on_sensor = (0.0..2400.0).contains(&middle[0]) && (0.0..1600.0).contains(&middle[1]);
+                let near = on_sensor && (expected[0] - middle[0]).hypot(expected[1] - middle[1]) <= 6.0;
+                assert!(!near || all.contains(&lens), "{name} at {depth}: {} lenses", all.len());
+            }
+        }
+        assert!(seen > 150, "{name}: {seen}");
+    }
+}
+
+/// Near the axis, a lens of glass is the thin lens of its focal length and pupils.
+#[test]
+fn glass_is_thin_near_the_axis() {
+    for name in NAMES {
+        let camera = behind(name, None);
+        let thin = MainLens {
+            prescription: None,
+            focus: ArrayFocus::Distance { mla_distance_m: camera.mla_distance_m() },
+            ..camera.main_lens().clone()
+        };
+        let thin = PlenopticCamera::new(*camera.sensor(), camera.array().clone(), thin).expect("a thin lens");
+        assert!((thin.entrance_pupil_radius_m() / camera.entrance_pupil_radius_m() - 1.0).abs() < 1e-12, "{name}");
+        let lens = MicrolensIndex { row: 0, column: 0 };
+        let mut last = f64::INFINITY;
+        // What is left falls as the square of the distance from the axis.
+        for step in [1e-2, 1e-3] {
+            let x = [step * 300e-6, -0.5 * step * 300e-6];
+            let q = [step * 30e-6, step * 20e-6];
+            let [a, b] = [&camera, &thin].map(|camera| camera.ray(x, q, lens).expect("light near the axis"));
+            let size = step * camera.exit_pupil_m();
+            let away = (0..2)
+                .map(|k| (a.origin_m[k] - b.origin_m[k]).abs().max((a.direction[k] - b.direction[k]).abs()))
+                .fold(0.0, f64::max)
+                / size;
+            assert!(away.is_finite() && (away < 0.02 * last || away < 1e-9), "{name}: {away} {last}");
+            last = away;
+        }
+    }
+}
+
+/// The white image is the light that rays bring: of places and points of microlenses at random.
+#[test]
+fn white_images_are_those_of_glass() {
+    let mut numbers = Numbers(7);
+    for name in ["double-gauss", "retrofocus"] {
+        let camera = behind(name, None);
+        let relative = 1.0 / camera.central_cos4();
+        for (row, column) in [(803, 1205), (40, 60), (300, 500), (1590, 1200), (810, 2380)] {
+            let rows = camera.white_rows(row..row + 8).expect("rows");
+            let white: f64 = (0..64).map(|k| f64::from(rows[[k / 8, column + k % 8]])).sum::<f64>() / 64.0;
+            // The same by rays through all of the array that may light the pixels.
+            let (mut sum, count) = (0.0, 40_000);
+            for _ in 0..count {
+                let x = camera.place_m([column as f64 + 8.0 * numbers.next(), row as f64 + 8.0 * numbers.next()]);
+                let owner = camera.owner(x);
+                for k in 0..25 {
+                    let index = MicrolensIndex { row: owner.row + k / 5 - 2, column: owner.column + k % 5 - 2 };
+                    let lens = camera.microlens(index);
+                    let (radius, angle) = (50e-6 * numbers.next().sqrt(), 2.0 * PI * numbers.next());
+                    let on_lens = [radius * angle.cos(), radius * angle.sin()];
+                    let on_sensor = [0, 1].map(|k| x[k] - lens.image_center_m[k]);
+                    if camera.relative_ray(&lens, on_sensor, on_lens).is_some() {
+                        sum += camera.relative_cos4(&lens, on_sensor, on_lens) * relative;
+                    }
+                }
+            }
+            let traced = sum / f64::from(count);
+            // 40,000 rays leave 0.25 % of noise; the table 0.1 % of the edges, of which there are many in 64 pixels.
+            assert!((white - traced).abs() < 0.012, "{name} at {row}, {column}: {white} {traced}");
+        }
+    }
+}
+
+/// Light of other wavelengths is refracted otherwise, by glass only.
+#[test]
+fn glass_disperses() {
+    let camera = behind("double-gauss", Some(4.0));
+    let blue = camera.at_wavelength(450.0).expect("a camera");
+    let lens = MicrolensIndex { row: 30, column: 60 };
+    let center = camera.lens_center_m(lens);
+    let x = camera.micro_image_center_m(lens);
+    let [yellow, blue] = [&camera, &blue].map(|camera| camera.ray(x, center, lens).expect("light"));
+    let away = (yellow.direction[0] - blue.direction[0]).abs();
+    assert!(away > 1e-6 && away < 1e-3, "{away}");
+    let thin = illum(GridSize::new(100, 100));
+    assert_eq!(thin.at_wavelength(450.0).expect("a camera"), thin);
+    assert!(camera.at_wavelength(f64::NAN).is_err());
+}
+
+/// A ray behind a tilted array is that of the same light without the tilt.
+#[test]
+fn tilt_moves_microlenses_along_the_light() {
+    let mut numbers = Numbers(8);
+    let (camera, flat) = (tilted("double-gauss", None, 8e-3), behind("double-gauss", None));
+    let glass = flat.glass.as_ref().expect("a lens of glass");
+    for _ in 0..300 {
+        let x = camera.place_m([numbers.next() * 2400.0, numbers.next() * 1600.0]);
+        let lens = camera.microlens(camera.owner(x));
+        let raised = lens.gap_m - 300e-6;
+        let q = [0, 1].map(|k| lens.center_m[k] + numbers.around(0.0, 60e-6));
+        let Some(ray) = camera.ray(x, q, lens.index) else { continue };
+        // Between microlens and main lens by the law of a thin lens.
+        let slope = [0, 1].map(|k| (q[k] - x[k]) / lens.gap_m - (q[k] - lens.center_m[k]) / 300e-6);
+        let on_flat = [0, 1].map(|k| [q[k] - raised * slope[k]]);
+        let expected = glass.trace(on_flat, slope.map(|x| [x]));
+        for k in 0..2 {
+            assert!((ray.origin_m[k] - expected.origin_m[k][0]).abs() < 1e-12, "{ray:?} {expected:?}");
+            assert!((ray.direction[k] - expected.direction[k][0]).abs() < 1e-12, "{ray:?} {expected:?}");
+        }
+    }
+}
+
+/// What is reported over the field, by ways of its own: third-order theory near the axis, and a lens of one surface.
+#[test]
+fn aberrations_are_those_of_the_glass() {
+    // A hyperboloid with its stop at the plane collimates the light of its focus, so its spot on the axis is a point, and its field
+    // is curved.
+    let medium = Medium::Abbe { nd: 1.6, vd: Some(50.0) };
+    let surfaces = vec![
+        Surface { is_stop: true, ..Surface::sphere(0.0, 0.005, 0.01, medium) },
+        Surface { conic: -1.6 * 1.6, ..Surface::sphere(-0.03, 0.0, 0.02, Medium::Air) },
+    ];
+    let focus = ArrayFocus::Depth { depth_m: f64::INFINITY, virtual_depth: 0.0 };
+    let lens = MainLens::of_glass(Prescription::new(surfaces).expect("a lens"), focus);
+    let sensor = ImageSensor::new(GridSize::new(800, 1200), 10e-6);
+    let camera = PlenopticCamera::new(sensor, MicrolensArray::new(MicrolensGrid::Square, 100e-6, 300e-6), lens)
+        .expect("a camera");
+    let on_axis = camera.aberrations(0.0).expect("light");
+    assert!(
+        on_axis.spot_m < 1e-12 && on_axis.distortion == 0.0 && (on_axis.pupil_share - 1.0).abs() < 1e-12,
+        "{on_axis:?}"
+    );
+    assert!(on_axis.sagittal_m.abs() < 1e-8 && on_axis.tangential_m.abs() < 1e-8, "{on_axis:?}");
+    let outside = camera.aberrations(5e-3).expect("light");
+    // The Petzval curvature 1 / (n f), half of its square of the height, between sagittal and tangential focus in third order:
+    // Z_t - Z_p = 3 (Z_s - Z_p).
+    let petzval_m = -(5e-3f64).powi(2) / (2.0 * 1.6 * 0.05);
+    let found = (3.0 * outside.sagittal_m - outside.tangential_m) / 2.0;
+    assert!((found / petzval_m - 1.0).abs() < 0.05, "{outside:?} {petzval_m}");
+    // Of a thin lens f^2 / (V f) between F and C.
+    let [blue, red] = [486.1327, 656.2725].map(|nm| camera.chromatic_shift_m(nm).expect("a lens of glass"));
+    assert!(((red - blue) / (0.05 / 50.0) - 1.0).abs() < 0.02, "{blue} {red}");
+    assert!(camera.chromatic_shift_m(587.5618).expect("a lens of glass").abs() < 1e-15);
+    // A double Gauss vignettes; its foci are corrected.
+    let camera = behind("double-gauss", None);
+    let all: Vec<_> = (0..=7).map(|k| camera.aberrations(f64::from(k) * 2e-3).expect("light")).collect();
+    println!("{all:#?}");
+    assert!(all.windows(2).all(|pair| pair[1].pupil_share <= pair[0].pupil_share + 1e-3));
+    assert!(all[7].pupil_share < 0.7 && all[7].distortion.abs() < 0.05 && all[7].spot_m < 200e-6);
+    assert!(illum(GridSize::new(10, 10)).aberrations(0.0).is_none());
+}
