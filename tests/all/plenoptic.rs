@@ -5,8 +5,8 @@ use std::num::NonZeroUsize;
 use crate::common::{add, engines, ideal, soup, square};
 use holo_core::GridSize;
 use holo_core::plenoptic::{
-    ArrayFocus, ImageSensor, LensAperture, MainLens, MicrolensArray, Objective, PlenopticCamera, Preset, PupilShape,
-    Stop,
+    ArrayFocus, ImageSensor, LensAperture, MainLens, Medium, MicrolensArray, Objective, PlenopticCamera, Prescription,
+    Preset, PupilShape, Stop, Surface,
 };
 use holo_render::{Backend, Integrator, Layer, LayerSet, Rendered, Renderer, Request};
 use holo_scene::{Material, Scene, Transform};
@@ -433,4 +433,37 @@ fn glass_has_the_truth_of_its_chief_rays() {
         }
     }
     assert!(lit > 500 && dark > 200, "{lit} {dark}");
+}
+
+/// Colored light: every channel is that of a camera of its wavelength, and glass that does not disperse gives the same image.
+#[test]
+fn glass_refracts_colors_differently() {
+    let scene = soup(200, 5);
+    let camera = behind_glass(&part("raytrix-r12-a", GridSize::new(60, 70), [5e-3, 4e-3]), "double-gauss");
+    let request = |camera: &PlenopticCamera| {
+        let request = Request::new(camera.clone()).integrator(Integrator::Direct).samples(3).sky([0.3, 0.5, 0.7]);
+        request.layers(LayerSet::of(&[Layer::Depth]))
+    };
+    let plain = render(&scene, &request(&camera), 0);
+    let colored = render(&scene, &request(&camera).spectral(true), 3);
+    assert_eq!(colored.central, plain.central);
+    for (channel, nm) in [611.4, 549.1, 464.3].into_iter().enumerate() {
+        let one = render(&scene, &request(&camera.at_wavelength(nm).expect("a camera")), 1);
+        let of = |image: Array3<f32>| image.slice(s![.., .., channel]).to_owned();
+        assert_eq!(of(raw(&colored)), of(raw(&one)), "{nm} nm");
+        assert!(of(raw(&colored)) != of(raw(&plain)), "{nm} nm");
+    }
+    let lens = camera.main_lens().prescription.as_ref().expect("a prescription");
+    let even = |surface: &Surface| match surface.medium {
+        Medium::Abbe { nd, .. } => Surface { medium: Medium::Abbe { nd, vd: None }, ..surface.clone() },
+        _ => surface.clone(),
+    };
+    let lens = Prescription::new(lens.surfaces().iter().map(even).collect()).expect("a lens");
+    let lens = MainLens::of_glass(lens, camera.main_lens().focus);
+    let even = PlenopticCamera::new(*camera.sensor(), camera.array().clone(), lens).expect("a camera");
+    assert_eq!(raw(&render(&scene, &request(&even).spectral(true), 0)), raw(&render(&scene, &request(&even), 0)));
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, None).expect("a renderer");
+    let thin = part("lytro-illum", GridSize::new(60, 70), [0.0; 2]);
+    let error = renderer.render(&request(&thin).spectral(true), &()).expect_err("a thin lens").to_string();
+    assert!(error.contains("no prescription"), "{error}");
 }

@@ -8,6 +8,7 @@ mod plan;
 mod raw;
 mod request;
 mod rounds;
+mod spectral;
 mod transport;
 mod visibility;
 mod work;
@@ -179,6 +180,9 @@ impl Renderer {
         }
         match &request.camera {
             Camera::Rig(rig) => self.render_rig(&RigRequest { rig, request }, progress, checkpoint),
+            Camera::Plenoptic(camera) if request.transport.spectral && self.choose(request)?.0 != Integrator::Depth => {
+                self.render_spectral(camera, request, progress, checkpoint)
+            }
             Camera::Plenoptic(camera) => self.render_raw(&RawRequest { camera, request }, progress, checkpoint),
         }
     }

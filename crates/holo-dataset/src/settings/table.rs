@@ -126,6 +126,9 @@ settings! {
         /// Average fine textures over the part of a pixel that a sample stands for: a small bias that more samples remove.
         /// Without effect with `denoise views`.
         texture_filter: TextureFilter = TextureFilter::Footprint, "texture-filter" "";
+        /// Let the glass of a plenoptic camera's main lens refract red, green and blue light differently, at three times the
+        /// cost; for camera files with a prescription.
+        spectral: bool = false, "spectral" "";
         /// Reduce the noise of color: with `denoise views` by the samples of neighboring views, or by those pixels of a plenoptic
         /// camera that see the same point; a small bias that more samples remove. What is left of the noise moves with the true
         /// disparity: not for scoring or training stereo.

@@ -126,6 +126,9 @@ pub(super) fn describe(
     if transport.transparent_shadows {
         set("transparent-shadows", switch(true));
     }
+    if transport.spectral {
+        set("spectral", switch(true));
+    }
     if !transport.multiple_scattering {
         set("multiple-scattering", switch(false));
     }

@@ -31,6 +31,7 @@ pub(crate) fn transport(light: &LightSettings, integrator: Integrator) -> Transp
     transport.indirect = light.indirect;
     transport.indirect_limit = light.indirect_limit.map_or(f32::INFINITY, |limit| limit as f32);
     transport.transparent_shadows = light.transparent_shadows;
+    transport.spectral = light.spectral;
     transport.multiple_scattering = light.multiple_scattering;
     (transport.cull, transport.reuse, transport.texture_filter) = (light.cull, light.reuse, light.texture_filter);
     transport

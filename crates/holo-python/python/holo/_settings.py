@@ -46,6 +46,7 @@ class Settings(TypedDict, total=False):
     no_multiple_scattering: Without light that is scattered more than once in the roughness of a surface: rough metal gets darker, as in renderers without this model.
     reuse: Share the light that rays find on diffuse surfaces: with `reuse views` between groups of 16 neighboring views, whose noise is then lower and stands still: not for scoring or training stereo. Default: off.
     texture_filter: Average fine textures over the part of a pixel that a sample stands for: a small bias that more samples remove. Without effect with `denoise views`. Default: footprint.
+    spectral: Let the glass of a plenoptic camera's main lens refract red, green and blue light differently, at three times the cost; for camera files with a prescription.
     denoise: Reduce the noise of color: with `denoise views` by the samples of neighboring views, or by those pixels of a plenoptic camera that see the same point; a small bias that more samples remove. What is left of the noise moves with the true disparity: not for scoring or training stereo. Default: off.
     cull: Hide surfaces that are not double-sided from behind, as game engines do; shadows and mirrors still show them.
     sky: Environment light: linear radiance of a constant sky (one number is gray), an equirectangular map (.hdr, .exr; .png, .jpg as sRGB), or `auto`: black, and a soft sky for scenes without light. Default: auto.
@@ -98,6 +99,7 @@ class Settings(TypedDict, total=False):
     no_multiple_scattering: bool | None
     reuse: Literal["off", "views"] | None
     texture_filter: Literal["off", "footprint"] | None
+    spectral: bool | None
     denoise: Literal["off", "views"] | None
     cull: bool | None
     sky: str | float | tuple[float, float, float] | os.PathLike[str] | None

@@ -312,6 +312,9 @@ impl Request {
     pub(super) fn check(&self, counts: [usize; 2]) -> Result<(), Error> {
         self.transport.check()?;
         self.check_fraction()?;
+        if self.transport.spectral {
+            super::spectral::check(self)?;
+        }
         check_ids(self.layers, counts)?;
         let (rows, count) = (self.row_range(), self.camera.row_count());
         if rows.is_empty() || rows.end > count {

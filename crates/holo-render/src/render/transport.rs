@@ -58,6 +58,9 @@ pub struct Transport {
     /// Whether the textures of the surfaces that camera rays hit are averaged over the part of the pixel that a sample
     /// stands for. Not with [`Denoise::Views`](crate::Denoise::Views): its windows hold so many samples that the bias would be what is left.
     pub texture_filter: TextureFilter,
+    /// Whether the glass of a plenoptic camera's main lens refracts red, green and blue light as such, at three times the cost;
+    /// otherwise all light is that of 587.6 nm. Only for [cameras with a prescription](holo_core::plenoptic::Prescription).
+    pub spectral: bool,
 }
 
 impl Default for Transport {
@@ -80,6 +83,7 @@ impl Default for Transport {
             sampling: Sampling::default(),
             reuse: Reuse::default(),
             texture_filter: TextureFilter::default(),
+            spectral: false,
         }
     }
 }
@@ -103,6 +107,7 @@ macro_rules! transport_setters {
             sampling: Sampling,
             reuse: Reuse,
             texture_filter: TextureFilter,
+            spectral: bool,
         }
     };
     ($($name:ident: $type:ty),* $(,)?) => {
