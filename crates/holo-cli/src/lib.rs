@@ -62,6 +62,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::White(options) => commands::camera::white(&options),
         Command::Target(options) => commands::camera::target(&options),
         Command::Calibrate(options) => commands::camera::calibrate(&options),
+        Command::EvalCalibration(options) => commands::camera::eval_calibration(&options),
         Command::Decode(options) => commands::camera::decode(&options),
         Command::Develop(options) => commands::develop::run(&options),
         Command::Demosaic(options) => commands::develop::demosaic(&options),

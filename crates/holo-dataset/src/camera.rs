@@ -9,6 +9,7 @@ mod linear_image;
 mod optics;
 mod placement;
 mod quantity;
+mod score;
 mod target;
 
 pub use self::calibrate::{Calibrated, KnownCamera};
@@ -17,4 +18,5 @@ pub use self::develop::{DemosaicMethod, DevelopJob, DevelopOutput, Developed, wr
 pub use self::optics::{camera_optics, planned_rig, rig_optics};
 pub use self::placement::{Placement, Surface};
 pub use self::quantity::{NamedQuantity, QuantityValue};
+pub use self::score::calibration_score;
 pub use self::target::{BoardPose, TargetJob, read_poses};

@@ -144,6 +144,13 @@ impl PlenopticCamera {
         give_quantities(py, rows)
     }
 
+    /// Scores the camera, which a calibration found, against the folder of `holo target` that `truth` names: as
+    /// `holo eval-calibration --json` names it.
+    fn score<'py>(&self, py: Python<'py>, truth: std::path::PathBuf) -> Result<Bound<'py, PyAny>, Failure> {
+        let rows = py.detach(|| holo_dataset::calibration_score(&self.0, &truth))?;
+        give_quantities(py, rows)
+    }
+
     /// Decodes a raw image: radiance and weight, axes (v, u, t, s, c), the rig, and the roll in radians.
     fn decode_arrays<'py>(
         &self,

@@ -79,6 +79,19 @@ pub struct CalibrateOptions {
 }
 
 #[derive(Args, Debug)]
+pub struct EvalCalibrationOptions {
+    /// The camera that was found: a camera file (TOML).
+    #[arg(value_name = "RESULT")]
+    pub result: String,
+    /// Folder of `holo target` with the true camera and its corners.
+    #[arg(long, value_name = "DIR")]
+    pub truth: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args, Debug)]
 pub struct DecodeOptions {
     /// The raw image: raw.exr, or a PNG in linear light such as raw_linear.png, whose views are then relative to its
     /// brightest code; or the folder of either.

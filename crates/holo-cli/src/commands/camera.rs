@@ -1,18 +1,23 @@
-//! `holo camera`, `holo white`, `holo calibrate`, `holo target`, `holo decode`: plenoptic cameras, their white images and
+//! `holo camera`, `holo white`, `holo calibrate`, `holo eval-calibration`, `holo target`, `holo decode`: plenoptic cameras, their white images and
 //! calibration targets, and views of their raw images.
 
 use std::path::{Path, PathBuf};
 
 use holo_core::plenoptic::{MicrolensGrid, presets};
-use holo_dataset::{Calibrated, DecodeJob, KnownCamera, SceneSource, TargetJob, read_poses, text, write_white_images};
+use holo_dataset::{
+    Calibrated, DecodeJob, KnownCamera, SceneSource, TargetJob, calibration_score, read_poses, text, write_white_images,
+};
 use holo_io::dataset::{CAMERA_TOML, RAW_EXR, RAW_PNG};
 use holo_io::{CameraFile, ColorEncoding, Compression};
 
-use crate::arguments::{CalibrateOptions, CameraOptions, DecodeOptions, TargetOptions, WhiteOptions, open_camera};
+use crate::arguments::{
+    CalibrateOptions, CameraOptions, DecodeOptions, EvalCalibrationOptions, TargetOptions, WhiteOptions, open_camera,
+};
 use crate::console::{out, say, say_unless};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::progress::Bar;
+use crate::quantities;
 
 /// Centers of light that are farther from those of a camera, on the mean, are of another main lens, px.
 const OTHER_LENS_PX: f64 = 0.2;
@@ -72,6 +77,10 @@ pub fn calibrate(options: &CalibrateOptions) -> Result<(), Failure> {
         );
     }
     Ok(())
+}
+
+pub fn eval_calibration(options: &EvalCalibrationOptions) -> Result<(), Failure> {
+    quantities::print(&calibration_score(&open_camera(&options.result)?, &options.truth)?, options.json)
 }
 
 pub fn target(options: &TargetOptions) -> Result<(), Failure> {

@@ -113,6 +113,52 @@ fn white_images_calibrate_cameras() {
     assert!(!bench.path("no.toml").exists());
 }
 
+/// The true camera has no error on its own boards, thin or of glass; a wrong one has that of its mistake.
+#[test]
+fn calibrations_are_scored() {
+    let bench = bench();
+    let thin = shifted_camera().replace("[120, 90]", "[300, 240]");
+    let focal = thin.lines().find(|line| line.starts_with("focal_mm")).unwrap().to_owned();
+    let f_number = thin.lines().find(|line| line.starts_with("f_number")).unwrap().to_owned();
+    let exit = thin.lines().find(|line| line.starts_with("exit_pupil_mm")).unwrap_or("#").to_owned();
+    let glass = thin.replace(&focal, "prescription = \"double-gauss\"").replace(&f_number, "").replace(&exit, "#");
+    let glass = glass.replace("[main_lens]", "[main_lens]\nscale_to_focal_mm = 40.0\nclose_to_f_number = 5.6");
+    // Far from the focus, where several microlenses see a corner.
+    let poses = "[[pose]]\nposition_m = [0.0, 0.0, -0.4]\n[[pose]]\nposition_m = [0.02, 0.0, -3.0]\nrotation_deg = [20.0, 0.0, 0.0]\n";
+    std::fs::write(bench.path("poses.toml"), poses).unwrap();
+    for (name, text) in [("thin", &thin), ("glass", &glass)] {
+        std::fs::write(bench.path(format!("{name}.toml")), text).unwrap();
+        let board = format!(
+            "target --camera-file {name}.toml --checkerboard 3x2 --square-mm 5 --poses poses.toml --spp 1 --out {name}"
+        );
+        succeeds(&bench, &board);
+        let score = |result: &str| -> serde_json::Value {
+            let line = format!("eval-calibration {result} --truth {name} --json");
+            serde_json::from_str(&bench.run(&line).stdout).unwrap()
+        };
+        let own = score(&format!("{name}.toml"));
+        let number = |score: &serde_json::Value, key: &str, k: usize| score[key][k].as_f64().unwrap();
+        assert!(own["corners"].as_u64().unwrap() > 20 && own["depths"].as_u64().unwrap() > 5, "{own}");
+        assert!(number(&own, "reprojection_px", 1) < 1e-6 && number(&own, "centers_um", 1) < 1e-6, "{name}: {own}");
+        assert!(own["depth_rms"].as_f64().unwrap() < 1e-6, "{name}: {own}");
+        // A gap that is 1 % larger moves pixels apart and depths along.
+        let text = std::fs::read_to_string(bench.path(format!("{name}/camera.toml"))).unwrap();
+        let gap = text.lines().find(|line| line.starts_with("gap_um")).unwrap();
+        let wrong: f64 = gap.split('=').nth(1).unwrap().trim().parse::<f64>().unwrap() * 1.01;
+        std::fs::write(bench.path("wrong.toml"), text.replace(gap, &format!("gap_um = {wrong}"))).unwrap();
+        let wrong = score("wrong.toml");
+        assert!(number(&wrong, "reprojection_px", 0) > 0.01 && number(&wrong, "centers_px", 0) > 0.001, "{wrong}");
+        assert!((number(&wrong, "gap_mm", 0) / number(&wrong, "gap_mm", 1) - 1.01).abs() < 1e-9, "{wrong}");
+    }
+    let other = bench.run("eval-calibration lytro-illum --truth thin");
+    assert!(other.code == Some(2) && other.stderr.contains("7728"), "{other:?}");
+    let missing = bench.run("eval-calibration thin.toml --truth nowhere");
+    assert!(missing.code == Some(1) && missing.stderr.contains("nowhere"), "{missing:?}");
+    std::fs::write(bench.path("thin/corners.csv"), "k,l\n1,2\n").unwrap();
+    let broken = bench.run("eval-calibration thin.toml --truth thin");
+    assert!(broken.code == Some(1) && broken.stderr.contains("line 2"), "{broken:?}");
+}
+
 /// Rows of pixels, each with every layer, become the same files as the whole.
 #[test]
 fn parts_of_a_raw_image_become_the_whole() {
