@@ -5,8 +5,8 @@ use std::num::NonZeroUsize;
 use crate::common::{add, engines, ideal, soup, square};
 use holo_core::GridSize;
 use holo_core::plenoptic::{
-    ArrayFocus, ImageSensor, LensAperture, MainLens, Medium, MicrolensArray, Objective, PlenopticCamera, Prescription,
-    Preset, PupilShape, Stop, Surface,
+    ArrayFocus, ImageSensor, LensAperture, MainLens, Medium, MicrolensArray, MicrolensGrid, Objective, PlenopticCamera,
+    Prescription, Preset, PupilShape, Stop, Surface,
 };
 use holo_render::{Backend, Integrator, Layer, LayerSet, Rendered, Renderer, Request};
 use holo_scene::{Material, Scene, Transform};
@@ -70,6 +70,12 @@ fn a_bright_sky_gives_the_white_image() {
         lens.distortion.radial = [-120.0, 0.0, 0.0];
         lens.stops = vec![Stop { distance_m: 0.06, diameter_m: 0.0165 }];
     });
+    // Microlens (0, 0) in the dark behind the rim of the lens, light at one edge of the sensor.
+    let (array, mut sensor) =
+        (MicrolensArray::new(MicrolensGrid::Square, 280e-6, 800e-6), ImageSensor::new(size, 50e-6));
+    sensor.offset_m = [22e-3, 9e-3];
+    let far = PlenopticCamera::new(sensor, array, MainLens::new(0.05, 4.0, 1.5)).expect("a camera");
+    let far = behind_glass(&far, "double-gauss");
     for (name, camera) in [
         ("illum", part("lytro-illum", size, [0.0; 2])),
         ("illum, corner", part("lytro-illum", size, [5e-3, -3.5e-3])),
@@ -81,6 +87,7 @@ fn a_bright_sky_gives_the_white_image() {
         ("tilt, distortion and a stop", real),
         ("double Gauss", behind_glass(&part("raytrix-r12-a", size, [0.0; 2]), "double-gauss")),
         ("double Gauss, corner", behind_glass(&part("h3dv", size, [9e-3, 8e-3]), "double-gauss")),
+        ("double Gauss, far from the axis", far),
         ("retrofocus, corner", behind_glass(&part("lytro-illum", size, [9e-3, 6e-3]), "retrofocus")),
         ("telephoto", behind_glass(&part("lytro-illum", size, [3e-3, 2e-3]), "telephoto")),
     ] {

@@ -19,7 +19,12 @@ pub(super) struct WholeLens {
 
 impl WholeLens {
     pub fn new(camera: &PlenopticCamera) -> Self {
-        let lens = camera.microlens(MicrolensIndex { row: 0, column: 0 });
+        // Behind glass, light for one far from the axis may be cut off.
+        let index = match camera.has_glass() {
+            true => camera.owner([0.0; 2]),
+            false => MicrolensIndex { row: 0, column: 0 },
+        };
+        let lens = camera.microlens(index);
         let region = camera.relative_lit_region(&lens, [0.0; 2]);
         Self { area_m2: region.sampled_area_m2(), region, parts: OnceLock::new() }
     }
