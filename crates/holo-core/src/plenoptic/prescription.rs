@@ -11,7 +11,7 @@ pub use objectives::{Objective, objectives};
 pub use paraxial::Paraxial;
 pub use trace::LensRays;
 
-pub(super) use field::{Field, FieldTable, chief_direction};
+pub(super) use field::{Field, FieldTable, LightEdge, chief_direction};
 pub(super) use trace::TracedLens;
 
 use crate::Error;

@@ -9,6 +9,7 @@ mod glass;
 
 use self::area::{SMALL_SQUARE, area_of, clipped, quadrant, small_square};
 use super::microlenses::HEX_ROW;
+use super::prescription::LightEdge;
 use super::{LensAperture, Microlens, PlenopticCamera, PupilShape};
 use crate::Error;
 use crate::memory;
@@ -258,6 +259,8 @@ struct Light<'a> {
     /// The squared distances from the middle of the pupil's image within which it covers all of a pixel, and from which on
     /// nothing.
     covered: [f64; 2],
+    /// The edge of the light of a lens of glass.
+    edge: Option<LightEdge>,
 }
 
 impl<'a> Light<'a> {
@@ -266,8 +269,17 @@ impl<'a> Light<'a> {
         let moved = lens.alpha.abs() * camera.array().aperture.outer_radius_m();
         let scale = lens.gap_m / lens.pupils.exit_m;
         let radius_m = scale * camera.exit_pupil_radius_m();
-        let mut light =
-            Self { camera, rule, lens, whole_squared: -1.0, scale, per_radius: 1.0 / radius_m, covered: [0.0; 2] };
+        let mut light = Self {
+            camera,
+            rule,
+            lens,
+            whole_squared: -1.0,
+            scale,
+            per_radius: 1.0 / radius_m,
+            covered: [0.0; 2],
+            edge: None,
+        };
+        light.edge = camera.glass.as_ref().map(|glass| glass.table().edge(lens.center_m));
         let reach = light.width_m() * std::f64::consts::FRAC_1_SQRT_2;
         let squared = |within: f64| if within >= 0.0 { within * within } else { -1.0 };
         light.whole_squared = squared(scale * (inner - moved) - reach);
@@ -426,8 +438,8 @@ impl<'a> Light<'a> {
     /// The share of a pixel that light through one point of the microlens reaches: that of the image of the pupil.
     fn covered_share(&self, point: [f64; 2], middle: [f64; 2]) -> f64 {
         let (camera, pixel) = (self.camera, self.width_m());
-        if let Some(glass) = &camera.glass {
-            return self.share_through(glass, point, middle);
+        if let Some(edge) = &self.edge {
+            return self.share_within(edge, point, middle);
         }
         let from = self.on_sensor(middle);
         let from = [0, 1].map(|k| from[k] - self.scale * self.lens.alpha * point[k]);

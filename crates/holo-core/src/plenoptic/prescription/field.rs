@@ -126,6 +126,21 @@ impl FieldTable {
         of_node(&self.nodes[k]) * (1.0 - rest) + of_node(&self.nodes[k + 1]) * rest
     }
 
+    /// The edge of the light of a place, in the plane that its chief ray crosses on the axis.
+    pub fn edge(&self, place_m: [f64; 2]) -> LightEdge {
+        let squared_m = place_m[0] * place_m[0] + place_m[1] * place_m[1];
+        let away_m = squared_m.sqrt();
+        let along = if away_m > 0.0 { place_m.map(|x| x / away_m) } else { [1.0, 0.0] };
+        let (k, rest) = self.at(squared_m);
+        let (low, high) = (&self.nodes[k], &self.nodes[k + 1]);
+        let between = |a: f64, b: f64| a + (b - a) * rest;
+        LightEdge {
+            along,
+            center_m: between(low.field.center_m, high.field.center_m),
+            edge_m: std::array::from_fn(|j| between(low.edge_m[j], high.edge_m[j])),
+        }
+    }
+
     /// How far within the light a ray crosses the plane of the exit pupil that arrives at a place on the array with a slope per meter,
     /// both in upright coordinates: along the way from the middle of its disc to the edge, m; below 0 for one that the lens stops.
     ///
@@ -140,16 +155,38 @@ impl FieldTable {
         let exit_m = self.exit_at_m(squared_m);
         let in_pupil = [0, 1].map(|axis| -(place_m[axis] + exit_m * slope[axis]));
         let [along, across] = [cos * in_pupil[0] + sin * in_pupil[1], cos * in_pupil[1] - sin * in_pupil[0]];
-        let within = |node: &Node| {
-            let x = along - node.field.center_m;
-            let sides = x.abs() + across.abs();
-            let direction = if sides > 0.0 { (1.0 - x / sides) * ((DIRECTIONS - 1) as f64 / 2.0) } else { 0.0 };
-            let j = (direction as usize).min(DIRECTIONS - 2);
-            let (low, high) = (node.edge_m[j], node.edge_m[j + 1]);
-            low + (high - low) * (direction - j as f64) - (x * x + across * across).sqrt()
-        };
+        let within = |node: &Node| within(&node.edge_m, [along - node.field.center_m, across]);
         within(&self.nodes[k]) * (1.0 - rest) + within(&self.nodes[k + 1]) * rest
     }
+}
+
+/// The edge of the light of one place on the array.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::plenoptic) struct LightEdge {
+    /// The direction from the axis to the place in the image.
+    along: [f64; 2],
+    /// The middle of the light from the axis, along it, m.
+    center_m: f64,
+    edge_m: [f64; DIRECTIONS],
+}
+
+impl LightEdge {
+    /// How far within the light a point of the plane lies, along the way from the middle to the edge, m; below 0 outside.
+    #[inline]
+    pub fn within_m(&self, [x, y]: [f64; 2]) -> f64 {
+        let [cos, sin] = self.along;
+        within(&self.edge_m, [cos * x + sin * y - self.center_m, cos * y - sin * x])
+    }
+}
+
+/// How far within an edge a point lies, from its middle.
+#[inline]
+fn within(edge_m: &[f64], [x, y]: [f64; 2]) -> f64 {
+    let sides = x.abs() + y.abs();
+    let direction = if sides > 0.0 { (1.0 - x / sides) * ((DIRECTIONS - 1) as f64 / 2.0) } else { 0.0 };
+    let j = (direction as usize).min(DIRECTIONS - 2);
+    let (low, high) = (edge_m[j], edge_m[j + 1]);
+    low + (high - low) * (direction - j as f64) - (x * x + y * y).sqrt()
 }
 
 /// The polynomial through four values at 0, 1, 2 and 3.

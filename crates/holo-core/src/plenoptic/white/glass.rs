@@ -1,6 +1,6 @@
 //! The part of a pixel that the light of a lens of glass reaches.
 
-use super::super::glass_lens::GlassLens;
+use super::super::prescription::LightEdge;
 use super::Light;
 
 /// Parts of a pixel along each side, in which the edge of the light is taken to be straight.
@@ -13,16 +13,14 @@ impl Light<'_> {
     ///
     /// The edge bends by an eighth of the square of a part's width over its radius: for micro-images of 7 px radius 0.1 % of the
     /// pixel.
-    pub(super) fn share_through(&self, glass: &GlassLens, point: [f64; 2], middle: [f64; 2]) -> f64 {
-        let (lens, pixel) = (&self.lens, self.width_m());
+    pub(super) fn share_within(&self, edge: &LightEdge, point: [f64; 2], middle: [f64; 2]) -> f64 {
+        let (per_sensor, width) = (1.0 / self.scale, self.width_m() / self.scale);
         let from = self.on_sensor(middle);
-        let within = |x: f64, y: f64| {
-            let on_sensor = [from[0] + x * pixel, from[1] + y * pixel];
-            let [place, slope] = self.camera.to_glass(lens, on_sensor, point);
-            glass.table().within_m(place, slope)
-        };
-        // Distances grow no faster than places move, but for the slant of the edge.
-        let reach_m = pixel * std::f64::consts::SQRT_2 / self.scale;
+        // In the plane of the exit pupil.
+        let from = [0, 1].map(|k| per_sensor * from[k] - self.lens.alpha * point[k]);
+        let within = |x: f64, y: f64| edge.within_m([from[0] + x * width, from[1] + y * width]);
+        // Corners are half of the diagonal away, and a slanted edge a little farther along the way to it.
+        let reach_m = 0.9 * width;
         let center = within(0.0, 0.0);
         if center.abs() > reach_m {
             return if center > 0.0 { 1.0 } else { 0.0 };
