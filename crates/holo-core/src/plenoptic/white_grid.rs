@@ -99,15 +99,21 @@ impl PlenopticCamera {
         let spacing = size.larger() as f64 / TILES as f64;
         let counts = [size.columns, size.rows].map(|count| ((count as f64 / spacing) as usize).max(1));
         let mut tiles: Vec<Vec<Option<Tile>>> = Vec::new();
+        // Rows of pixels with the windows of all tiles of a row.
+        let reach = (REACH + 2.0) * self.micro_image_pitch_px();
+        // Where windows are as high as the tiles, every row of pixels is in several.
+        let is_dense = 2.0 * reach * counts[1] as f64 > size.rows as f64;
+        let whole = is_dense.then(|| self.white_image()).transpose()?;
         for row in 0..counts[1] {
             let y = (row as f64 + 0.5) * size.rows as f64 / counts[1] as f64;
             let x = |column: usize| (column as f64 + 0.5) * size.columns as f64 / counts[0] as f64;
-            // Rows of pixels with the windows of all tiles of this row.
-            let reach = (REACH + 2.0) * self.micro_image_pitch_px();
             let band = (y - reach).max(0.0) as usize..((y + reach) as usize + 1).min(size.rows);
             let found = white.slice_axis(Axis(0), band.clone().into());
             // The light within the camera's own micro-images leans towards the axis too.
-            let own = self.white_rows(band.clone())?;
+            let own = match &whole {
+                Some(whole) => whole.slice_axis(Axis(0), band.clone().into()).to_owned(),
+                None => self.white_rows(band.clone())?,
+            };
             let tile = |column: usize| {
                 let of = |image: ArrayView2<f32>| self.tile(image, band.start, [x(column), y]);
                 let (found, expected) = (of(found), of(own.view()));

@@ -245,3 +245,42 @@ fn aberrations_are_those_of_the_glass() {
     assert!(all[7].pupil_share < 0.7 && all[7].distortion.abs() < 0.05 && all[7].spot_m < 200e-6);
     assert!(illum(GridSize::new(10, 10)).aberrations(0.0).is_none());
 }
+
+/// A lens without thickness is the thin lens: for all rays through its middle, and for others but for its aberrations.
+#[test]
+fn a_lens_without_thickness_is_thin() {
+    let medium = Medium::Abbe { nd: 1.5, vd: None };
+    let surfaces = vec![
+        Surface::sphere(0.05, 0.0, 0.004, medium),
+        Surface::sphere(-0.05, 0.0, 0.004, Medium::Air),
+        Surface::stop(0.0, 0.003),
+    ];
+    let lens = Prescription::new(surfaces).expect("a lens");
+    assert!((lens.paraxial().focal_length_m - 0.05).abs() < 1e-15);
+    let focus = ArrayFocus::Depth { depth_m: 1.5, virtual_depth: 0.0 };
+    let array = MicrolensArray::new(MicrolensGrid::Square, 200e-6, 800e-6);
+    let sensor = ImageSensor::new(GridSize::new(800, 1200), 20e-6);
+    let camera = |lens: MainLens| {
+        PlenopticCamera::new(sensor, array.clone(), lens).expect("a camera of a lens without thickness")
+    };
+    let thin = camera(MainLens::new(0.05, 0.05 / 0.006, 1.5));
+    let glass = camera(MainLens::of_glass(lens, focus));
+    let mut numbers = Numbers(9);
+    for _ in 0..500 {
+        let x = thin.place_m([numbers.next() * 1200.0, numbers.next() * 800.0]);
+        let index = thin.owner(x);
+        assert_eq!(glass.owner(x), index);
+        // To the middle of the lens.
+        let (center, image) = (thin.lens_center_m(index), thin.micro_image_center_m(index));
+        let [a, b] = [&thin, &glass].map(|camera| camera.ray(image, center, index).expect("light"));
+        for k in 0..2 {
+            assert!((a.origin_m[k] - b.origin_m[k]).abs() < 1e-12, "{a:?} {b:?}");
+            assert!((a.direction[k] - b.direction[k]).abs() < 1e-9, "{a:?} {b:?}");
+        }
+        // Beside it, but for what 17 degrees off the axis spoil.
+        let near = [0, 1].map(|k| image[k] + 0.1 * (x[k] - image[k]));
+        let [a, b] = [&thin, &glass].map(|camera| camera.ray(near, center, index).expect("light"));
+        let away = (0..2).map(|k| (a.direction[k] - b.direction[k]).abs()).fold(0.0, f64::max);
+        assert!(away < 1.5e-3, "{a:?} {b:?}");
+    }
+}
