@@ -277,10 +277,10 @@ fn a_lens_without_thickness_is_thin() {
             assert!((a.origin_m[k] - b.origin_m[k]).abs() < 1e-12, "{a:?} {b:?}");
             assert!((a.direction[k] - b.direction[k]).abs() < 1e-9, "{a:?} {b:?}");
         }
-        // Beside it, but for what 17 degrees off the axis spoil.
-        let near = [0, 1].map(|k| image[k] + 0.1 * (x[k] - image[k]));
+        // A little beside it, where what the obliquity spoils grows with the distance.
+        let near = [0, 1].map(|k| image[k] + 0.01 * (x[k] - image[k]));
         let [a, b] = [&thin, &glass].map(|camera| camera.ray(near, center, index).expect("light"));
         let away = (0..2).map(|k| (a.direction[k] - b.direction[k]).abs()).fold(0.0, f64::max);
-        assert!(away < 1.5e-3, "{a:?} {b:?}");
+        assert!(away < 3e-4, "{a:?} {b:?}");
     }
 }
