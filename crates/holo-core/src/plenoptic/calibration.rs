@@ -116,7 +116,7 @@ impl PlenopticCamera {
         of(gap_m / (2.0 * largest_px * pixel_m).max(pixel_m))?.calibrated(white)
     }
 
-    /// The same camera with another lattice, one micro-image of which lies in the middle of the sensor.
+    /// Returns this camera with another lattice. One of its micro-images lies in the middle of the sensor.
     fn with_lattice(&self, lattice: &Lattice) -> Result<Self, Error> {
         let mut array = self.array().clone();
         let pitch_m = lattice.pitch_px * self.sensor().pixel_m / self.micro_image_scale();

@@ -58,8 +58,8 @@ pub struct MainLens {
     /// The distortion.
     pub distortion: Distortion,
     /// The surfaces of a lens of glass, whose [rays near the axis](Prescription::paraxial) the focal length, the f-number and
-    /// the exit pupil then follow from: [`PlenopticCamera::new`](super::PlenopticCamera::new) sets them. Its aperture is round,
-    /// and neither further stops nor distortion may be given beside it.
+    /// the exit pupil then follow from: [`PlenopticCamera::new`](super::PlenopticCamera::new) sets them. Its aperture is round.
+    /// A lens with a prescription has no further stops and no other distortion.
     pub prescription: Option<Prescription>,
 }
 

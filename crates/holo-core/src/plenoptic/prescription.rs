@@ -96,8 +96,7 @@ impl Surface {
 
 /// The surfaces of a main lens, from the scene to the sensor.
 ///
-/// A validated value: at most 64 surfaces, one of which is the stop, with air on both sides, that form an image behind the
-/// last one.
+/// It has at most 64 surfaces. One of them is the stop. Air lies in front of the first and behind the last. The lens gathers light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prescription {
     surfaces: Vec<Surface>,

@@ -1,7 +1,7 @@
 //! What identifies a shot in its manifest, and what the manifest says beside it.
 
 use holo_io::{CameraArray, CameraFile, Manifest, ManifestValue, Sha256};
-use holo_render::{Denoise, Integrator, Layer, Rendered, Request, Reuse};
+use holo_render::{Denoise, Integrator, Layer, Rendered, Request, Reuse, Transport};
 
 use super::engine::ENGINE;
 use super::prepare::{Prepared, Stage};
@@ -110,28 +110,7 @@ pub(super) fn describe(
             set("approximate", "some numbers of the camera are not published, and guesses".into());
         }
     }
-    set("integrator", word(&rendered.integrator).into());
-    set("spp", number_of_samples(transport.samples));
-    if let Some(target) = transport.target_error {
-        set("target-error", target.into());
-    }
-    if rendered.integrator == Integrator::Path {
-        set("max-bounces", transport.max_bounces.into());
-        set("roulette", switch(transport.roulette));
-        set("indirect", switch(transport.indirect));
-    }
-    if transport.indirect_limit.is_finite() {
-        set("indirect-limit", f64::from(transport.indirect_limit).into());
-    }
-    if transport.transparent_shadows {
-        set("transparent-shadows", switch(true));
-    }
-    if transport.spectral {
-        set("spectral", switch(true));
-    }
-    if !transport.multiple_scattering {
-        set("multiple-scattering", switch(false));
-    }
+    describe_transport(transport, rendered.integrator, &mut set);
     if rendered.color.is_some() {
         let reuse = if request.camera.rig().is_some() { transport.reuse } else { Reuse::Off };
         if reuse == Reuse::Views {
@@ -171,6 +150,33 @@ pub(super) fn describe(
         }
     }
     manifest
+}
+
+/// Adds how light was transported.
+fn describe_transport(transport: &Transport, integrator: Integrator, set: &mut dyn FnMut(&str, ManifestValue)) {
+    let switch = |is_on: bool| ManifestValue::from(if is_on { "on" } else { "off" });
+    set("integrator", word(&integrator).into());
+    set("spp", number_of_samples(transport.samples));
+    if let Some(target) = transport.target_error {
+        set("target-error", target.into());
+    }
+    if integrator == Integrator::Path {
+        set("max-bounces", transport.max_bounces.into());
+        set("roulette", switch(transport.roulette));
+        set("indirect", switch(transport.indirect));
+    }
+    if transport.indirect_limit.is_finite() {
+        set("indirect-limit", f64::from(transport.indirect_limit).into());
+    }
+    if transport.transparent_shadows {
+        set("transparent-shadows", switch(true));
+    }
+    if transport.spectral {
+        set("spectral", switch(true));
+    }
+    if !transport.multiple_scattering {
+        set("multiple-scattering", switch(false));
+    }
 }
 
 /// The frame of a shot in the settings of its job, which may have several.

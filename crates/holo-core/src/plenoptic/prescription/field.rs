@@ -11,6 +11,9 @@ const CHIEF_NODES: usize = 257;
 /// The number of directions along half of the edge of the light.
 const DIRECTIONS: usize = 65;
 
+/// The most that the distance of the exit pupil changes from a place to the next.
+const MOST_CHANGE: f64 = 0.1;
+
 /// Discs around the light are larger than it by this part of the exit pupil, for places between those of the table.
 const MARGIN: f64 = 0.01;
 
@@ -58,9 +61,17 @@ impl FieldTable {
         // On the axis, of a place so near to it that its light is the same.
         let away = |k: usize, count: usize| (k as f64 / (count - 1) as f64).sqrt().max(1e-4) * farthest_m;
         let beam = |away_m| Beam { lens, array_m, away_m };
+        // From the axis outwards, where every chief ray is near the last one.
+        let mut last_m = exit_m;
+        let planes = (0..CHIEF_NODES).map(|k| {
+            last_m = beam(away(k, CHIEF_NODES)).exit_m(last_m);
+            last_m
+        });
+        let planes: Vec<f64> = planes.collect();
+        let of_node = |k: usize| planes[k * ((CHIEF_NODES - 1) / (NODES - 1))];
         Self {
-            nodes: (0..NODES).map(|k| beam(away(k, NODES)).node(exit_m, radius_m)).collect(),
-            exit_m: (0..CHIEF_NODES).map(|k| beam(away(k, CHIEF_NODES)).exit_m(exit_m)).collect(),
+            nodes: (0..NODES).map(|k| beam(away(k, NODES)).node(of_node(k), radius_m)).collect(),
+            exit_m: planes,
             per_squared_m: (NODES - 1) as f64 / (farthest_m * farthest_m),
             array_m,
         }
@@ -76,7 +87,7 @@ impl FieldTable {
         self.nodes.iter().map(|node| node.field.center_m.abs() + node.field.radius_m).fold(0.0, f64::max)
     }
 
-    /// The greatest and the least distance of the plane of any place from the array, m.
+    /// The least and the greatest distance of the plane of any place from the array, m.
     pub fn exit_range_m(&self) -> [f64; 2] {
         self.exit_m.iter().fold([f64::INFINITY, 0.0], |[low, high], &x| [x.min(low), x.max(high)])
     }
@@ -103,11 +114,13 @@ impl FieldTable {
         let between = |a: f64, b: f64| a + (b - a) * rest;
         Field {
             exit_m: self.exit_at_m(squared_m),
-            center_m: between(low.center_m, high.center_m),
-            radius_m: match (low.radius_m > 0.0, high.radius_m > 0.0) {
-                (false, false) => 0.0,
-                _ => low.radius_m.max(high.radius_m),
+            // A place without light has no middle: where the light ends, the disc of the last place with light holds it.
+            center_m: match (low.radius_m > 0.0, high.radius_m > 0.0) {
+                (true, false) => low.center_m,
+                (false, true) => high.center_m,
+                _ => between(low.center_m, high.center_m),
             },
+            radius_m: low.radius_m.max(high.radius_m),
             inner_m: low.inner_m.min(high.inner_m),
         }
     }
@@ -243,15 +256,14 @@ impl Beam<'_> {
         slope
     }
 
-    /// Where the chief ray crosses the axis, from the array; `exit_m` is that of rays near the axis, which a lens that spoils the
-    /// chief ray has too.
-    fn exit_m(&self, exit_m: f64) -> f64 {
-        let own = self.away_m / self.chief_slope(exit_m);
-        if own.is_finite() && own > 0.0 { own } else { exit_m }
+    /// Where the chief ray crosses the axis, from the array; `near_m`: where that of a place a little nearer to the axis does, and
+    /// this one too if it misses the lens.
+    fn exit_m(&self, near_m: f64) -> f64 {
+        let own = self.away_m / self.chief_slope(near_m);
+        if (own / near_m - 1.0).abs() < MOST_CHANGE { own } else { near_m }
     }
 
-    fn node(&self, exit_m: f64, radius_m: f64) -> Node {
-        let own_exit_m = self.exit_m(exit_m);
+    fn node(&self, own_exit_m: f64, radius_m: f64) -> Node {
         let is_lit = |x: f64, y: f64| {
             let mut ray = self.ray([(x + self.away_m) / own_exit_m, y / own_exit_m]);
             self.lens.trace(&mut ray);

@@ -8,7 +8,7 @@ use crate::Error;
 pub struct Objective {
     /// The name of the preset.
     pub name: &'static str,
-    /// What it is, and the patent.
+    /// The kind of lens, its f-number and field, and the patent.
     pub about: &'static str,
     /// Radius, thickness, semi-aperture, index and Abbe number behind the surface, from the scene to the sensor, in units of
     /// the patent; an Abbe number of 0 for air, a radius of 0 for a plane, an index of 0 for the stop.

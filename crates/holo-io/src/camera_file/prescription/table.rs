@@ -24,9 +24,9 @@ use super::{Row, by_numbers, glass, tables};
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
-    #[serde(default)]
-    #[allow(dead_code, reason = "for people")]
-    name: Option<String>,
+    /// For people.
+    #[serde(default, rename = "name")]
+    _name: Option<String>,
     surface: Vec<SurfaceTable>,
 }
 
