@@ -30,7 +30,10 @@ use choices::{BACKENDS, LAYOUTS, WORLD_UPS, choice};
 use headings::{CAMERA, FILES, QUALITY, RUNNING};
 
 pub use array::{ArrayOptions, SurfaceArgument};
-pub use camera::{CalibrateOptions, CameraOptions, DecodeOptions, EvalCalibrationOptions, TargetOptions, WhiteOptions};
+pub use camera::{
+    Benchmark, CalibrateOptions, CalibrationBenchmarkOptions, CameraOptions, DecodeOptions, EvalCalibrationOptions,
+    TargetOptions, WhiteOptions,
+};
 pub use choices::DemosaicArgument;
 pub use dataset::{CollectionOptions, DatasetOptions, GenerateOptions};
 pub use develop::{DemosaicOptions, DevelopOptions};
@@ -114,6 +117,9 @@ pub enum Command {
     Calibrate(CalibrateOptions),
     /// Score a calibrated plenoptic camera: its numbers, centers, corners of boards and their depths, against the truth.
     EvalCalibration(EvalCalibrationOptions),
+    /// Render the data of a benchmark, with the truth.
+    #[command(subcommand)]
+    Benchmark(Benchmark),
     /// Decode the raw image of an unfocused plenoptic camera to views.
     Decode(DecodeOptions),
     /// Expose an image sensor with noise to a raw image or any other in linear light: mosaic, DNG, and the same without noise.

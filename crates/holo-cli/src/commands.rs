@@ -2,6 +2,7 @@
 
 pub mod animate;
 pub mod array;
+pub mod benchmark;
 pub mod camera;
 pub mod compose;
 pub mod dataset;

@@ -19,7 +19,7 @@ use std::path::Path;
 
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
-use arguments::{Arguments, Command};
+use arguments::{Arguments, Benchmark, Command};
 use console::say;
 use failure::Failure;
 
@@ -61,6 +61,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Camera(options) => commands::camera::run(&options),
         Command::White(options) => commands::camera::white(&options),
         Command::Target(options) => commands::camera::target(&options),
+        Command::Benchmark(Benchmark::Calibration(options)) => commands::benchmark::calibration(&options),
         Command::Calibrate(options) => commands::camera::calibrate(&options),
         Command::EvalCalibration(options) => commands::camera::eval_calibration(&options),
         Command::Decode(options) => commands::camera::decode(&options),

@@ -14,7 +14,8 @@ fn cell(value: &QuantityValue) -> String {
         QuantityValue::Count(count) => number(*count as f64),
         QuantityValue::Text(text) => text.clone(),
         QuantityValue::Size(size) => format!("{} x {}", size.columns, size.rows),
-        QuantityValue::List(numbers) => numbers.iter().map(|value| number(*value)).collect::<Vec<_>>().join(" to "),
+        QuantityValue::Range([low, high]) => format!("{} to {}", number(*low), number(*high)),
+        QuantityValue::List(numbers) => numbers.iter().map(|value| number(*value)).collect::<Vec<_>>().join(", "),
         QuantityValue::Matrix(_) => "with --json".into(),
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! **May import:** settings, output, resume, shot.
 
+mod benchmark;
 mod calibrate;
 mod decode;
 mod develop;
@@ -12,6 +13,7 @@ mod quantity;
 mod score;
 mod target;
 
+pub use self::benchmark::{BenchmarkSize, CalibrationBenchmark};
 pub use self::calibrate::{Calibrated, KnownCamera};
 pub use self::decode::{DecodeJob, write_white_images};
 pub use self::develop::{DemosaicMethod, DevelopJob, DevelopOutput, Developed, write_demosaiced};

@@ -42,9 +42,9 @@ mod shot;
 mod watch;
 
 pub use camera::{
-    BoardPose, Calibrated, DecodeJob, DemosaicMethod, DevelopJob, DevelopOutput, Developed, KnownCamera, NamedQuantity,
-    Placement, QuantityValue, Surface, TargetJob, calibration_score, camera_optics, planned_rig, read_poses,
-    rig_optics, write_demosaiced, write_white_images,
+    BenchmarkSize, BoardPose, Calibrated, CalibrationBenchmark, DecodeJob, DemosaicMethod, DevelopJob, DevelopOutput,
+    Developed, KnownCamera, NamedQuantity, Placement, QuantityValue, Surface, TargetJob, calibration_score,
+    camera_optics, planned_rig, read_poses, rig_optics, write_demosaiced, write_white_images,
 };
 pub use collection::{
     DatasetCameras, DatasetJob, DatasetPlan, DatasetRun, DatasetSummary, JobSummary, SetProperties, drawn, sources,

@@ -71,6 +71,7 @@ use sensor_table::{SensorTable, noise_lines};
 use serde::Deserialize;
 use tables::{MainLensTable, MlaTable, grid_name, um};
 
+use crate::interop::Libpleno;
 use crate::limits::read_small_file;
 use crate::{Error, Folder};
 
@@ -132,7 +133,7 @@ struct Document {
 }
 
 impl CameraFile {
-    /// Reads a camera file.
+    /// Reads a camera file, or the `intrinsics.js` of a program on libpleno, such as COMPOTE.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be read; [`Error::Broken`] if it is no TOML or no camera. The message names the key.
@@ -154,6 +155,10 @@ impl CameraFile {
         let broken = |what: String| Error::Broken { path: path.into(), format: "camera", what };
         let text = std::str::from_utf8(bytes).map_err(|_| broken("it is not text in UTF-8".into()))?;
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        if path.extension().is_some_and(|extension| extension == "js") {
+            let camera = Libpleno::read(text).map_err(broken)?;
+            return Ok(Self { name: stem, camera, is_approximate: false, sensor_noise: None });
+        }
         Self::parsed(text, &stem, beside).map_err(broken)
     }
 

@@ -11,7 +11,7 @@ mod raytrix;
 use holo_core::plenoptic::{MicrolensIndex, PlenopticCamera};
 
 pub use lftoolbox::LensletGridModel;
-pub use libpleno::Libpleno;
+pub use libpleno::{BoardCorner, Libpleno};
 pub use lytro::LytroModel;
 pub use pip::pip_configuration;
 pub use plenopticam::plenopticam_calibration;

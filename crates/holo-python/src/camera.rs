@@ -16,7 +16,8 @@ use crate::rig::{Rig, Size, size};
 
 /// A plenoptic camera: main lens, microlens array and sensor.
 ///
-/// `PlenopticCamera.open("lytro-illum")` is a preset of `PlenopticCamera.presets()`, or a camera file in TOML.
+/// `PlenopticCamera.open("lytro-illum")` is a preset of `PlenopticCamera.presets()`, or a camera file in TOML, or the
+/// `intrinsics.js` of COMPOTE.
 #[pyclass(frozen, module = "holo", from_py_object)]
 #[derive(Clone)]
 pub struct PlenopticCamera(pub CameraFile);

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod arrays;
+mod benchmark;
 mod camera;
 mod failure;
 mod files;
@@ -57,6 +58,7 @@ fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(files::write_hci, module)?,
         wrap_pyfunction!(files::export, module)?,
         wrap_pyfunction!(files::export_targets, module)?,
+        wrap_pyfunction!(benchmark::calibration_benchmark, module)?,
         wrap_pyfunction!(files::write_image, module)?,
         wrap_pyfunction!(files::read_image, module)?,
         wrap_pyfunction!(score::evaluate, module)?,

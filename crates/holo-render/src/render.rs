@@ -340,7 +340,7 @@ impl Renderer {
         });
         let is_plain = request.denoise == Denoise::Off;
         // Footprints are in the coordinates of the camera.
-        let filters = transport.texture_filter == TextureFilter::Footprint && is_plain && self.moved.is_none();
+        let filters = self.filters_textures(transport) && is_plain && self.moved.is_none();
         let sampler = Sampler {
             seed: transport.seed,
             samples: transport.samples.of_traced(),
@@ -352,6 +352,11 @@ impl Renderer {
         let scene = self.scene_data(transport, integrator);
         let (camera, moved) = (RaySource::Rig(rig), self.moved.as_ref());
         Context { scene, camera, sampler, policy, guides, inverse_depths: false, moved, stop }
+    }
+
+    /// Whether textures are filtered by the footprints of camera rays: if there are any.
+    fn filters_textures(&self, transport: &Transport) -> bool {
+        transport.texture_filter == TextureFilter::Footprint && self.appearance.has_textures()
     }
 
     /// The scene as the integrators use it.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::Args;
+use clap::{Args, Subcommand};
 use holo_core::GridSize;
 use holo_dataset::settings::positive as parse_positive;
 
@@ -89,6 +89,38 @@ pub struct EvalCalibrationOptions {
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// A benchmark.
+#[derive(Subcommand, Debug)]
+pub enum Benchmark {
+    /// Boards and white images of seven plenoptic cameras, each behind a thin lens and behind glass, with the truth. Continues where
+    /// it was stopped.
+    Calibration(CalibrationBenchmarkOptions),
+}
+
+#[derive(Args, Debug)]
+pub struct CalibrationBenchmarkOptions {
+    /// Folder for the benchmark; created if missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Sensors and boards of full size [default: a quarter of the pixels, with microlenses of full size].
+    #[arg(long)]
+    pub full: bool,
+    /// These cameras only: r12-a, r12-b, r12-c, r12-d, illum, f01, square.
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    pub cameras: Vec<String>,
+    /// Samples per pixel.
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub spp: u32,
+    /// Say how much it is, and stop.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Replace other images in DIR. The same command again needs no permission.
+    #[arg(long)]
+    pub overwrite: bool,
+    #[command(flatten)]
+    pub engine: EngineOptions,
 }
 
 #[derive(Args, Debug)]

@@ -5,7 +5,7 @@ use holo_core::plenoptic::{Aberrations, PlenopticCamera, PlenopticMode};
 use holo_core::{Intrinsics, LightFieldShape, Remainder, Rig, automatic_baseline_m};
 
 use super::quantity::NamedQuantity;
-use super::quantity::QuantityValue::{Count, List, Matrix, Number, Size, Text};
+use super::quantity::QuantityValue::{Count, List, Matrix, Number, Range, Size, Text};
 use crate::Error;
 use crate::settings::{Focus, Pixels, RigSettings, Spacing};
 use crate::shot::shifted;
@@ -164,7 +164,7 @@ pub fn rig_optics(
     let mut row = |key: &str, name: &str, value, unit| rows.push(NamedQuantity::new(key, name, value, unit));
     let rig = optics.rig();
     let shape = rig.shape();
-    let range = |range: DepthRange| List(vec![range.near_m, range.far_m]);
+    let range = |range: DepthRange| Range([range.near_m, range.far_m]);
     row("views", "views", Size(shape.views()), "");
     row("lenses", "lenses (pixels of a view)", Size(shape.lenses()), "");
     row("focal_length_mm", "focal length", Number(rig.focal_length_m() * 1e3), "mm");
@@ -189,7 +189,7 @@ pub fn rig_optics(
     if let Some(depths) = depths {
         row("depths_m", "depths", range(depths), "m");
         let DisparityRange { min_px, max_px } = optics.disparity_range_px(depths);
-        row("disparity_px", "their disparities", List(vec![min_px, max_px]), "px");
+        row("disparity_px", "their disparities", Range([min_px, max_px]), "px");
         let near = optics.depth_resolution_m(depths.near_m, step_px)?;
         row("depth_resolution_near_mm", "one step of disparity at the nearest", Number(near * 1e3), "mm");
         if depths.far_m.is_finite() {

@@ -29,7 +29,9 @@ pub enum QuantityValue {
     Text(String),
     /// Rows and columns.
     Size(GridSize),
-    /// Several numbers, such as both ends of a range.
+    /// Both ends of a range.
+    Range([f64; 2]),
+    /// Several numbers.
     List(Vec<f64>),
     /// The rows of a matrix.
     Matrix(Vec<Vec<f64>>),
@@ -57,6 +59,7 @@ impl QuantityValue {
             Self::Count(count) => Value::from(*count),
             Self::Text(text) => Value::from(text.as_str()),
             Self::Size(size) => json!({ "columns": size.columns, "rows": size.rows }),
+            Self::Range(ends) => list(ends),
             Self::List(numbers) => list(numbers),
             Self::Matrix(rows) => rows.iter().map(|row| list(row)).collect(),
         }

@@ -1,11 +1,14 @@
 //! How well a calibrated camera is the true one, by the corners of boards.
 
+mod pose;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use holo_core::plenoptic::{Microlens, MicrolensIndex, PlenopticCamera};
 use holo_io::{CameraFile, Folder};
 
+use self::pose::{Movement, Sight};
 use super::quantity::NamedQuantity;
 use super::quantity::QuantityValue::{Count, List, Number};
 use crate::Error;
@@ -15,12 +18,14 @@ use crate::output::raw::{CAMERA_TOML, first_indices};
 const MAX_BYTES: u64 = 1 << 30;
 
 /// A corner in a micro-image.
-struct Corner {
-    lens: MicrolensIndex,
+pub(super) struct Corner {
+    pub lens: MicrolensIndex,
     /// Pixels, whose centers are at 0.5.
-    position_px: [f64; 2],
+    pub position_px: [f64; 2],
+    /// The signed radius of its blur.
+    pub blur_px: f64,
     /// Frame and number of the corner.
-    cluster: [usize; 2],
+    pub cluster: [usize; 2],
     /// Meters before the camera that looks along -z.
     point_m: [f64; 3],
 }
@@ -48,8 +53,9 @@ impl Spread {
 /// Returns how well `result` is the camera of a folder that [`TargetJob`](super::TargetJob) wrote: its numbers beside the true ones,
 /// the centers of its micro-images and microlenses, where it sees the corners of the boards, and the depths that it finds from them.
 ///
-/// A microlens is compared with that whose micro-image is nearest. Both cameras stand in the same place. A corner's depth is that where
-/// its chief rays, through all microlenses that see it, are nearest to each other.
+/// A microlens is compared with that whose micro-image is nearest. The calibrated camera is moved to where it sees the corners best, as no
+/// calibration knows where a camera stands. A corner's depth is that where its chief rays, through all microlenses that see it, are
+/// nearest to each other.
 ///
 /// # Errors
 /// [`Error::Io`] if a file of the folder cannot be read; [`Error::BadRequest`] if the sensors differ; [`Error::Failed`] if the table
@@ -72,20 +78,29 @@ pub fn calibration_score(result: &CameraFile, truth: &Path) -> Result<Vec<NamedQ
     row("microlenses", "microlenses", Count(on_sensor.count), "");
     row("centers_px", "micro-image centers: error, RMS and largest", List(on_sensor.rms_and_most()), "px");
     row("centers_um", "microlens centers: error, RMS and largest", List(on_array.rms_and_most()), "\u{b5}m");
+    let sight = |corner: &Corner| {
+        let lens = same_lens(result, &truth, corner.lens).index;
+        Sight { point_m: corner.point_m, lens, position_px: corner.position_px }
+    };
+    let sights: Vec<Sight> = corners.iter().map(sight).collect();
+    let movement = Movement::best(result, &sights);
     let (mut seen, mut rays) = (Spread::default(), BTreeMap::<[usize; 2], Vec<[f64; 4]>>::new());
     let mut depths = BTreeMap::new();
-    for corner in &corners {
-        let lens = same_lens(result, &truth, corner.lens);
-        if let Some(found) = result.project(corner.point_m, lens.index) {
+    for (corner, sight) in corners.iter().zip(&sights) {
+        let point_m = movement.of(corner.point_m);
+        if let Some(found) = result.project(point_m, sight.lens) {
             let [x, y] = [0, 1].map(|k| found.position_px[k] - corner.position_px[k]);
             seen.add(x.hypot(y));
         }
-        if let Some(ray) = result.ray(result.place_m(corner.position_px), lens.center_m, lens.index) {
+        let center_m = result.lens_center_m(sight.lens);
+        if let Some(ray) = result.ray(result.place_m(corner.position_px), center_m, sight.lens) {
             let [[x, y], [dx, dy]] = [ray.origin_m, ray.direction];
             rays.entry(corner.cluster).or_default().push([x, y, dx, dy]);
-            depths.insert(corner.cluster, -corner.point_m[2]);
+            depths.insert(corner.cluster, -point_m[2]);
         }
     }
+    row("moved_mm", "camera moved to see the corners best", Number(1e3 * movement.length_m()), "mm");
+    row("turned_deg", "and turned", Number(movement.angle_deg()), "degrees");
     row("corners", "corners in micro-images", Count(corners.len()), "");
     row("reprojection_px", "true corners in the images: error, RMS and largest", List(seen.rms_and_most()), "px");
     let mut errors: Vec<f64> = Vec::new();
@@ -123,11 +138,14 @@ fn numbers(result: &PlenopticCamera, truth: &PlenopticCamera) -> Vec<NamedQuanti
         ),
         both("tilt_y_deg", "tilt of the array up", &|camera| camera.array().tilt_rad[1].to_degrees(), "degrees"),
     ];
-    let types = result.array().type_count().min(truth.array().type_count());
-    rows.extend((0..types).map(|k| {
-        let focal = move |camera: &PlenopticCamera| camera.microlens_focal_lengths_m()[k] * 1e6;
-        both(&format!("microlens_{k}_um"), &format!("focal length of microlenses of type {k}"), &focal, "\u{b5}m")
-    }));
+    if result.array().type_count() == truth.array().type_count() {
+        rows.extend((0..truth.array().type_count()).map(|k| {
+            let lens_type = same_type(result, truth, k);
+            let lengths = [result.microlens_focal_lengths_m()[lens_type], truth.microlens_focal_lengths_m()[k]];
+            let name = format!("focal length of microlenses of type {k}: found, true");
+            NamedQuantity::new(format!("microlens_{k}_um"), name, List(lengths.map(|m| 1e6 * m).to_vec()), "\u{b5}m")
+        }));
+    }
     rows
 }
 
@@ -162,6 +180,14 @@ fn same_lens(result: &PlenopticCamera, truth: &PlenopticCamera, index: Microlens
     result.microlens(result.owner(place))
 }
 
+/// What the type of a microlens is in the result: the first microlens counts from another place there.
+fn same_type(result: &PlenopticCamera, truth: &PlenopticCamera, lens_type: usize) -> usize {
+    let middle = truth.owner([0.0; 2]);
+    let mut beside = (0..3).map(|k| MicrolensIndex { column: middle.column + k, ..middle });
+    let lens = beside.find(|lens| truth.array().type_of(*lens) == lens_type).unwrap_or(middle);
+    same_lens(result, truth, lens).lens_type
+}
+
 /// The depth at which rays (x, y, dx/dz, dy/dz) are nearest to their mean; `None` if they are parallel.
 fn meeting_depth_m(rays: &[[f64; 4]]) -> Option<f64> {
     let count = rays.len() as f64;
@@ -177,7 +203,7 @@ fn meeting_depth_m(rays: &[[f64; 4]]) -> Option<f64> {
 }
 
 /// The visible corners of a folder of boards.
-fn read_corners(folder: &Folder, truth: &PlenopticCamera) -> Result<Vec<Corner>, Error> {
+pub(super) fn read_corners(folder: &Folder, truth: &PlenopticCamera) -> Result<Vec<Corner>, Error> {
     const NAME: &str = "corners.csv";
     let bytes = folder.read(NAME, MAX_BYTES)?;
     let text = String::from_utf8_lossy(&bytes);
@@ -185,7 +211,7 @@ fn read_corners(folder: &Folder, truth: &PlenopticCamera) -> Result<Vec<Corner>,
     let mut out = Vec::new();
     for (line, text) in text.lines().enumerate().skip(1) {
         let numbers: Option<Vec<f64>> = text.split(',').map(|cell| cell.trim().parse().ok()).collect();
-        let Some(&[k, l, u, v, _, cluster, frame, x, y, z, _, visible]) = numbers.as_deref() else {
+        let Some(&[k, l, u, v, blur_px, cluster, frame, x, y, z, _, visible]) = numbers.as_deref() else {
             let why = format!("{}: line {}: a corner has twelve numbers", folder.path_of(NAME).display(), line + 1);
             return Err(Error::Failed(why));
         };
@@ -195,6 +221,7 @@ fn read_corners(folder: &Folder, truth: &PlenopticCamera) -> Result<Vec<Corner>,
         out.push(Corner {
             lens: MicrolensIndex { row: l as i32 + first_row, column: k as i32 + first_column },
             position_px: [u + 0.5, v + 0.5],
+            blur_px,
             cluster: [frame as usize, cluster as usize],
             point_m: [x, y, z],
         });

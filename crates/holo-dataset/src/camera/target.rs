@@ -81,6 +81,9 @@ pub fn read_poses(path: &Path) -> Result<Vec<BoardPose>, Error> {
     }
 }
 
+/// Writes the image of a frame.
+pub(super) type WriteFrame<'a> = dyn Fn(&mut OutputFolder, usize, Array3<f32>) -> Result<(), Error> + 'a;
+
 impl TargetJob {
     /// Renders into the folder `out`: `frame_NN.exr` and `frame_NN.png` of every pose, the white image, `centers.csv`,
     /// `corners.csv` and `camera.toml`. Returns the names of the files, and the number of listed corners.
@@ -101,10 +104,25 @@ impl TargetJob {
         diagnostics: &dyn Diagnostics,
         rollback: &Rollback,
     ) -> Result<(Vec<String>, usize), Error> {
+        let color = |folder: &mut OutputFolder, frame: usize, image: Array3<f32>| {
+            // A white square has 80 % of the range.
+            write_raw(folder, &format!("frame_{frame:02}"), image, Exposure::Ev(0.0))
+        };
+        self.run_with((out, ""), (progress, diagnostics, rollback), self.identity(), &color)
+    }
+
+    /// The same into the folder `inner` below `root`, with another identity, and `write` for the image of a frame.
+    pub(super) fn run_with(
+        &self,
+        place: (&Path, &str),
+        (progress, diagnostics, rollback): (&dyn Progress, &dyn Diagnostics, &Rollback),
+        mut manifest: Manifest,
+        write: &WriteFrame<'_>,
+    ) -> Result<(Vec<String>, usize), Error> {
         let poses = self.validated_poses()?;
         let camera = &self.camera.camera;
         let white = lit_white_image(&self.camera)?;
-        let mut folder = OutputFolder::create(out, rollback, diagnostics)?;
+        let mut folder = OutputFolder::create_in(place, false, rollback, diagnostics)?;
         folder.unseal()?;
         let text = self.camera.to_toml();
         folder.add(CAMERA_TOML, holo_io::write_file(folder.file(CAMERA_TOML), text.as_bytes())?);
@@ -112,7 +130,6 @@ impl TargetJob {
         write_white(&mut folder, "white", &white)?;
         let mut table = String::from("k,l,u,v,rho,cluster,frame,x,y,z,type,visible\n");
         let mut count = 0;
-        let mut manifest = self.identity();
         for (frame, pose) in poses.iter().enumerate() {
             let placed = transform(pose);
             count += self.list_corners(frame, &placed, &mut table);
@@ -121,9 +138,8 @@ impl TargetJob {
             let request = Request::new(camera.clone()).integrator(Integrator::Direct).samples(self.samples);
             let request = request.seed(self.seed + frame as u64).layers(LayerSet::EMPTY);
             manifest.libraries = libraries(&renderer);
-            // A white square has 80 % of the range.
             let seen = self.seen(&renderer, &request, progress)?;
-            write_raw(&mut folder, &format!("frame_{frame:02}"), seen, Exposure::Ev(0.0))?;
+            write(&mut folder, frame, seen)?;
         }
         folder.add("corners.csv", holo_io::write_file(folder.file("corners.csv"), table.as_bytes())?);
         Ok((folder.seal(manifest)?, count))
@@ -161,7 +177,7 @@ impl TargetJob {
     }
 
     /// What identifies the job in a manifest.
-    fn identity(&self) -> Manifest {
+    pub(super) fn identity(&self) -> Manifest {
         let mut manifest = Manifest { seed: self.seed, ..Manifest::default() };
         manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
         let mut set = |key: &str, value: ManifestValue| drop(manifest.settings.insert(key.into(), value));
@@ -207,7 +223,7 @@ impl TargetJob {
     }
 
     /// The place of a corner on the board, from its center, in squares: x right, y up.
-    fn on_board(&self, row: usize, column: usize) -> [f64; 2] {
+    pub(super) fn on_board(&self, row: usize, column: usize) -> [f64; 2] {
         [column as f64 - (self.corners.columns - 1) as f64 / 2.0, (self.corners.rows - 1) as f64 / 2.0 - row as f64]
     }
 
@@ -288,7 +304,7 @@ impl TargetJob {
 }
 
 /// Board to camera.
-fn transform(pose: &BoardPose) -> Transform {
+pub(super) fn transform(pose: &BoardPose) -> Transform {
     let [x, y, z] = pose.rotation_deg.map(f64::to_radians);
     let about = |axis: usize, angle: f64, p: [f64; 3]| {
         let (sin, cos) = angle.sin_cos();

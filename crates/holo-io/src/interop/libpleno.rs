@@ -1,5 +1,10 @@
 //! A calibrated camera for libpleno and the programs on it: COMPOTE, BLADE, PRISM.
 
+mod boards;
+mod read;
+
+pub use boards::BoardCorner;
+
 use holo_core::meters_to_millimeters as mm;
 use holo_core::plenoptic::{MicrolensFocus, MicrolensGrid, MicrolensIndex, PlenopticCamera, PlenopticMode};
 use serde_json::{Value, json};
@@ -22,6 +27,9 @@ struct Grid {
     first: MicrolensIndex,
     rows: usize,
     columns: usize,
+    /// Whether the first row is one that is not shifted here: then its columns, and those of every second row, count from the
+    /// next one.
+    is_next: bool,
 }
 
 impl Grid {
@@ -32,22 +40,34 @@ impl Grid {
         rows.retain(|row| 2 * row.len() > longest);
         let is_hexagonal = camera.array().grid == MicrolensGrid::HexRows;
         // Odd rows are those shifted to the right. Microlenses are counted from the other end, so their number is even.
-        let skipped = usize::from(is_hexagonal && rows.first().is_some_and(|row| row[0].0.row.rem_euclid(2) == 0));
-        let rows = rows.get(skipped..).unwrap_or_default();
-        let rows = if is_hexagonal { &rows[..rows.len() / 2 * 2] } else { rows };
-        let first = rows.iter().map(|row| row[0].0.column).max().unwrap_or(0);
-        let last = rows.iter().map(|row| row[row.len() - 1].0.column).min().unwrap_or(-1);
+        let is_next = is_hexagonal && rows.first().is_some_and(|row| row[0].0.row.rem_euclid(2) == 0);
+        let rows = if is_hexagonal { &rows[..rows.len() / 2 * 2] } else { &rows[..] };
+        let shift = |row: usize| i32::from(is_next && row.is_multiple_of(2));
+        let columns = |(row, lenses): (usize, &&[(MicrolensIndex, [f64; 2])])| {
+            [0, lenses.len() - 1].map(|k| lenses[k].0.column - shift(row))
+        };
+        let first = rows.iter().enumerate().map(columns).map(|[first, _]| first).max().unwrap_or(0);
+        let last = rows.iter().enumerate().map(columns).map(|[_, last]| last).min().unwrap_or(-1);
         match (rows.first(), usize::try_from(last - first)) {
             (Some(row), Ok(more)) => {
                 let first = MicrolensIndex { row: row[0].0.row, column: first };
-                Ok(Self { first, rows: rows.len(), columns: more + 1 })
+                Ok(Self { first, rows: rows.len(), columns: more + 1, is_next })
             }
             _ => Err(Error::Camera("no column of micro-images lies in all rows of the sensor".into())),
         }
     }
 
     fn at(&self, row: usize, column: usize) -> MicrolensIndex {
-        MicrolensIndex { row: self.first.row + row as i32, column: self.first.column + column as i32 }
+        let shift = i32::from(self.is_next && row.is_multiple_of(2));
+        MicrolensIndex { row: self.first.row + row as i32, column: self.first.column + column as i32 + shift }
+    }
+
+    /// The row and column of a micro-image, if it is one of the grid.
+    fn place(&self, lens: MicrolensIndex) -> Option<[usize; 2]> {
+        let row = usize::try_from(lens.row - self.first.row).ok()?;
+        let shift = i32::from(self.is_next && row.is_multiple_of(2));
+        let column = usize::try_from(lens.column - self.first.column - shift).ok()?;
+        (row < self.rows && column < self.columns).then_some([row, column])
     }
 }
 
@@ -68,6 +88,15 @@ fn geometry(camera: &PlenopticCamera) -> Result<u32, Error> {
         )));
     }
     Ok(geometry)
+}
+
+/// The number of the mode.
+fn mode(camera: &PlenopticCamera) -> u32 {
+    match camera.mode(0) {
+        PlenopticMode::Unfocused => 0,
+        PlenopticMode::Keplerian => 1,
+        PlenopticMode::Galilean => 2,
+    }
 }
 
 /// The parameters of the projection and the blur, of a mode and the focal lengths of the types.
@@ -141,11 +170,7 @@ impl Libpleno {
             mesh["pose"] = json!({"rotation": rotation, "translation": [translation]});
             mesh
         };
-        let mode = match camera.mode(0) {
-            PlenopticMode::Unfocused => 0,
-            PlenopticMode::Keplerian => 1,
-            PlenopticMode::Galilean => 2,
-        };
+        let mode = mode(camera);
         let intrinsics = json!({
             "I": types,
             "dist_focus": mm(image_distance(camera)),

@@ -27,7 +27,16 @@ from .images import read_image, write_image  # noqa: E402
 from .light_field import LightField, open  # noqa: E402, A004
 from .metrics import compare, evaluate  # noqa: E402
 from .optics import optics  # noqa: E402
-from .plenoptic import Calibration, Decoded, calibrate, decode, demosaic, develop, sensor_models  # noqa: E402
+from .plenoptic import (  # noqa: E402
+    Calibration,
+    Decoded,
+    calibrate,
+    calibration_benchmark,
+    decode,
+    demosaic,
+    develop,
+    sensor_models,
+)
 from ._settings import Settings  # noqa: E402
 from .rendering import Pose, RawRendering, Rendering, render, render_raw, render_to  # noqa: E402
 from .scene import Mesh, Scene  # noqa: E402
@@ -52,6 +61,7 @@ __all__ = [
     "__version__",
     "compare",
     "calibrate",
+    "calibration_benchmark",
     "decode",
     "demosaic",
     "develop",

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import pathlib
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import _holo
 from ._holo import PlenopticCamera
+from ._options import tell
 from .errors import Error, UsageError
 from .light_field import LightField
 
@@ -55,6 +59,28 @@ def calibrate(
     if found is None:
         raise Error("the image has no square or hexagonal lattice of micro-images, 4 px apart or more and a dozen a side")
     return Calibration(found[0], *found[1])
+
+
+def calibration_benchmark(
+    out: str | os.PathLike,
+    *,
+    full: bool = False,
+    cameras: Sequence[str] = (),
+    samples: int = 16,
+    overwrite: bool = False,
+    progress: Callable[[int, int], object] | None = None,
+) -> list[pathlib.Path]:
+    """Renders boards and white images of several plenoptic cameras, with the truth, as `holo benchmark calibration` does.
+
+    out: the folder; parts that are there are kept. full: sensors and boards of full size, else a quarter of the pixels. cameras: some
+    of them, else all. samples: of a pixel. overwrite: replace other images. progress: called with the tiles of a board that are done,
+    and all of them.
+
+    Returns the folders that were written.
+    """
+    parts, lines = _holo.calibration_benchmark(pathlib.Path(out), full, list(cameras), samples, overwrite, progress)
+    tell(lines)
+    return [pathlib.Path(out) / part for part in parts]
 
 
 def decode(

@@ -160,6 +160,11 @@ impl Appearance {
         Self { materials, media, textures: textures.to_vec(), pyramids, srgb: srgb8_to_linear_table(), linear }
     }
 
+    /// Whether there are textures.
+    pub fn has_textures(&self) -> bool {
+        !self.textures.is_empty()
+    }
+
     /// The features of all materials together.
     pub fn flags(&self) -> MaterialFlags {
         self.materials.iter().fold(MaterialFlags::default(), |all, material| all.union(material.flags))

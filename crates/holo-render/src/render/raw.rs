@@ -20,7 +20,6 @@ use super::checkpoint::{Checkpoint, TileKind};
 use super::color::needs_guides;
 use super::request::{Denoise, RawStatistics, Rendered, Request};
 use super::rounds;
-use super::transport::TextureFilter;
 use super::work::Work;
 use crate::camera::RaySource;
 use crate::camera::plenoptic::{PlenopticRays, RawLens, RawPacket, RawPixels};
@@ -201,7 +200,7 @@ impl Renderer {
         let transport = &request.transport;
         let has_guides = needs_guides(request);
         // The windows of the reconstruction hold so many samples that the bias of the filter would be what is left.
-        let filters = transport.texture_filter == TextureFilter::Footprint && request.denoise == Denoise::Off;
+        let filters = self.filters_textures(transport) && request.denoise == Denoise::Off;
         let sampler = Sampler {
             seed: transport.seed,
             samples: transport.samples.of_traced(),
