@@ -199,19 +199,26 @@ impl PlenopticCamera {
         let size = self.sensor().size;
         let corners = [[0.0, size.rows as f64], [size.columns as f64, 0.0]].map(|corner| self.place_m(corner));
         let [mut low, mut high] = corners.map(|corner| corner.map(|x| x / self.micro_image_scale()));
+        let corners_m = [low, high, [low[0], high[1]], [high[0], low[1]]];
         // X_c - C' = (P - Z g C) / (1 - Z/F) in the pupil: for undistorted microlenses on a plane their centers lie in a disc, and
-        // behind a lens of glass nearly so.
-        if self.main_lens().distortion.is_none() && self.array().tilt_rad == [0.0; 2] {
-            let Pupils { magnification, exit_m, inverse_focus_per_m, slope_per_m, .. } = self.pupils;
+        // behind a lens of glass nearly so. On a tilted array every microlens has the disc of its height, which lies between those of
+        // the lowest and the highest one.
+        let raised_m = corners_m.map(|corner| self.array().raised_m(self.relative_to_array_m(corner)).abs());
+        let raised_m = raised_m.into_iter().fold(0.0, f64::max);
+        let astray_m = self.farthest_distorted_m(&corners_m);
+        let windows = [-raised_m, 0.0, raised_m].map(|raised_m| {
+            let Pupils { magnification, exit_m, inverse_focus_per_m, slope_per_m, .. } = self.pupils.moved(raised_m);
             let per_center = -point_m[2] * slope_per_m;
-            let in_pupil_m = radius_px * self.sensor().pixel_m * magnification.abs() * exit_m / self.array().gap_m;
+            let gap_m = self.array().gap_m + raised_m;
+            let in_pupil_m = radius_px * self.sensor().pixel_m * magnification.abs() * exit_m / gap_m;
             let radius_m = in_pupil_m * (1.0 + point_m[2] * inverse_focus_per_m).abs() / per_center.abs();
             let radius_m =
                 self.glass.as_ref().map_or(radius_m, |glass| 1.5 * radius_m + glass.astray_m(point_m[2], slope_per_m));
-            for k in 0..2 {
-                low[k] = low[k].max(point_m[k] / per_center - radius_m);
-                high[k] = high[k].min(point_m[k] / per_center + radius_m);
-            }
+            [0, 1].map(|k| [-1.0, 1.0].map(|side| point_m[k] / per_center + side * (radius_m + astray_m)))
+        });
+        for k in 0..2 {
+            low[k] = low[k].max(windows.iter().map(|window| window[k][0]).fold(f64::INFINITY, f64::min));
+            high[k] = high[k].min(windows.iter().map(|window| window[k][1]).fold(f64::NEG_INFINITY, f64::max));
         }
         let near = |lens: &MicrolensIndex| {
             let found = self.project(point_m, *lens).map(|found| found.position_px);
@@ -219,5 +226,23 @@ impl PlenopticCamera {
             found.is_some_and(|[x, y]| (x - middle[0]).hypot(y - middle[1]) <= radius_px)
         };
         self.lenses_within(low, high).filter(near).collect()
+    }
+
+    /// By how much distortion moves a place on the array at most, with a margin: along the ways to its corners.
+    fn farthest_distorted_m(&self, corners_m: &[[f64; 2]]) -> f64 {
+        const STEPS: u32 = 16;
+        const MARGIN: f64 = 1.5;
+        let distortion = &self.main_lens().distortion;
+        if distortion.is_none() {
+            return 0.0;
+        }
+        let places = corners_m
+            .iter()
+            .flat_map(|corner| (1..=STEPS).map(|k| corner.map(|x| x * f64::from(k) / f64::from(STEPS))));
+        let away = |place: [f64; 2]| {
+            let found = distortion.undistorted(place);
+            (found[0] - place[0]).hypot(found[1] - place[1])
+        };
+        MARGIN * places.map(away).fold(0.0, f64::max)
     }
 }

@@ -312,3 +312,51 @@ fn discs_hold_the_last_light() {
         assert!(lit > 300 && dark > 300, "{name}: {lit} {dark}");
     }
 }
+
+/// The microlenses that see a point are found in a window, and are those of the whole array.
+#[test]
+fn windows_hold_all_microlenses_that_see_a_point() {
+    use crate::plenoptic::{MicrolensIndex, Objective, Preset};
+
+    let preset = Preset::by_name("raytrix-r12-a").expect("a preset").camera().expect("a camera");
+    let mut sensor = *preset.sensor();
+    sensor.size = GridSize::new(700, 900);
+    let tilted = |scale: f64| {
+        let mut array = preset.array().clone();
+        array.tilt_rad = array.tilt_rad.map(|tilt| scale * tilt);
+        array
+    };
+    let glass = Objective::by_name("double-gauss").expect("an objective").prescription().expect("a lens");
+    let behind_glass = MainLens::of_glass(glass, ArrayFocus::Depth { depth_m: 0.45, virtual_depth: 2.0 });
+    for (tilt, lens) in [(1.0, preset.main_lens().clone()), (20.0, preset.main_lens().clone()), (5.0, behind_glass)] {
+        let camera = PlenopticCamera::new(sensor, tilted(tilt), lens).expect("a camera");
+        let radius_px = camera.micro_image_radii_m(0)[1] / sensor.pixel_m;
+        let mut count = 0;
+        for k in 0..20 {
+            let depth_m = 0.25 + 0.02 * f64::from(k % 7);
+            let point_m = [0.01 * (f64::from(k % 5) - 2.0), 0.008 * (f64::from(k % 3) - 1.0), -depth_m];
+            let is_near = |lens: &MicrolensIndex| {
+                let middle = camera.micro_image_center_px(*lens);
+                let found = camera.project(point_m, *lens);
+                found.is_some_and(|found| {
+                    let [x, y] = found.position_px;
+                    (x - middle[0]).hypot(y - middle[1]) <= radius_px
+                })
+            };
+            let lines = camera.lens_lines(0..sensor.size.rows);
+            let all = lines.flat_map(|line| camera.lenses_on_line(line, 0..sensor.size.rows).collect::<Vec<_>>());
+            let is_on_sensor = |lens: &MicrolensIndex| {
+                let [x, y] = camera.micro_image_center_px(*lens);
+                (0.0..900.0).contains(&x) && (0.0..700.0).contains(&y)
+            };
+            let mut expected: Vec<MicrolensIndex> = all.filter(|lens| is_on_sensor(lens) && is_near(lens)).collect();
+            let mut found = camera.lenses_seeing(point_m, radius_px);
+            found.retain(is_on_sensor);
+            expected.sort();
+            found.sort();
+            count += found.len();
+            assert_eq!(found, expected, "{tilt} {point_m:?}");
+        }
+        assert!(count > 100, "{count}");
+    }
+}
