@@ -284,3 +284,8 @@ def test_missing_memory_is_a_memory_error(garden):
     with pytest.raises(MemoryError, match="GB of memory") as caught:
         holo.render(garden, views=1000, lenses=(20000, 20000))
     assert isinstance(caught.value, holo.OutOfMemoryError) and not isinstance(caught.value, holo.UsageError)
+
+
+def test_the_calibration_benchmark_names_its_cameras(tmp_path):
+    with pytest.raises(holo.UsageError, match="r12-d"):
+        holo.calibration_benchmark(tmp_path / "out", cameras=["r13"])

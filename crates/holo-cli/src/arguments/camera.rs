@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use clap::builder::PossibleValuesParser;
 use clap::{Args, Subcommand};
 use holo_core::GridSize;
+use holo_dataset::CalibrationBenchmark;
 use holo_dataset::settings::positive as parse_positive;
 
 use super::EngineOptions;
@@ -107,8 +109,8 @@ pub struct CalibrationBenchmarkOptions {
     /// Sensors and boards of full size [default: a quarter of the pixels, with microlenses of full size].
     #[arg(long)]
     pub full: bool,
-    /// These cameras only: r12-a, r12-b, r12-c, r12-d, illum, f01, square.
-    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    /// These cameras only.
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = PossibleValuesParser::new(CalibrationBenchmark::camera_names()))]
     pub cameras: Vec<String>,
     /// Samples per pixel.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65536))]
