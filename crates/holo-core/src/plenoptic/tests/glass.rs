@@ -168,6 +168,56 @@ fn white_images_are_those_of_glass() {
     }
 }
 
+/// Steps of evenly spread points in four dimensions.
+const SPACE_STEPS: [f64; 4] =
+    [0.856_674_883_854_502_9, 0.733_891_856_627_126, 0.628_706_721_037_806_4, 0.538_597_256_661_187];
+
+/// So is each pixel of micro-images with wide edges: microlenses that do not image the pupil.
+#[test]
+fn pixels_of_focused_cameras_are_those_of_glass() {
+    let preset = Preset::by_name("raytrix-r12-a").expect("a preset").camera().expect("a camera");
+    let mut numbers = Numbers(11);
+    for name in ["double-gauss", "telephoto"] {
+        let lens = Objective::by_name(name).expect("an objective").prescription().expect("a lens");
+        let lens = lens.stopped_down(4.0).unwrap_or(lens);
+        let lens = MainLens::of_glass(lens, ArrayFocus::Depth { depth_m: 2.0, virtual_depth: 2.0 });
+        for aperture in [LensAperture::Round { radius_m: 63e-6 }, LensAperture::Square { half_width_m: 50e-6 }] {
+            let mut array = preset.array().clone();
+            (array.aperture, array.rotation_rad) = (aperture, 0.3);
+            let camera = PlenopticCamera::new(*preset.sensor(), array, lens.clone()).expect("a camera");
+            let relative = 1.0 / camera.central_cos4();
+            let (mut squares, mut sum, mut count) = (0.0, 0.0, 0);
+            for _ in 0..30 {
+                let [row, column] = [numbers.next() * 3000.0, numbers.next() * 4000.0].map(|x| x as usize);
+                let white = f64::from(camera.white_rows(row..row + 1).expect("a row")[[0, column]]);
+                let owner = camera.owner(camera.place_m([column as f64 + 0.5, row as f64 + 0.5]));
+                let rays = 4000;
+                let mut light = 0.0;
+                for k in 0..25 {
+                    let lens = camera
+                        .microlens(MicrolensIndex { row: owner.row + k / 5 - 2, column: owner.column + k % 5 - 2 });
+                    for ray in 0..rays {
+                        let [a, b, c, d] =
+                            SPACE_STEPS.map(|step| ((f64::from(ray) + 0.5) * step + 0.1 * f64::from(k)).fract());
+                        let on_lens = super::white::point_of_lens(aperture, [a, b]);
+                        let on_lens = crate::plenoptic::microlenses::rotate(on_lens, 0.3);
+                        let x = camera.place_m([column as f64 + c, row as f64 + d]);
+                        let on_sensor = [0, 1].map(|k| x[k] - lens.image_center_m[k]);
+                        if camera.relative_ray(&lens, on_sensor, on_lens).is_some() {
+                            light += camera.relative_cos4(&lens, on_sensor, on_lens) * relative / f64::from(rays);
+                        }
+                    }
+                }
+                (squares, sum, count) = (squares + (white - light).powi(2), sum + white - light, count + 1);
+                assert!((white - light).abs() < 0.02, "{name} {aperture:?} at {row}, {column}: {white} {light}");
+            }
+            let (deviation, mean) = ((squares / f64::from(count)).sqrt(), sum / f64::from(count));
+            println!("{name} {aperture:?}: {deviation:.4} a pixel, {mean:+.5} in the mean");
+            assert!(deviation < 5e-3 && mean.abs() < 1e-3, "{name} {aperture:?}: {deviation} {mean}");
+        }
+    }
+}
+
 /// Light of other wavelengths is refracted otherwise, by glass only.
 #[test]
 fn glass_disperses() {

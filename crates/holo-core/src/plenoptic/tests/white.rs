@@ -3,7 +3,7 @@
 use super::*;
 
 /// A point of a microlens for a point of the unit square: even points for even points.
-fn point_of_lens(aperture: LensAperture, [u, v]: [f64; 2]) -> [f64; 2] {
+pub(super) fn point_of_lens(aperture: LensAperture, [u, v]: [f64; 2]) -> [f64; 2] {
     match aperture {
         LensAperture::Round { radius_m } => {
             let (sin, cos) = (2.0 * PI * v).sin_cos();

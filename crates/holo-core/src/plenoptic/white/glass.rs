@@ -6,7 +6,46 @@ use super::Light;
 /// Parts of a pixel along each side, in which the edge of the light is taken to be straight.
 const PARTS: usize = 4;
 
+/// Farther from the middle of a pixel than this part of its width, no edge crosses it: corners are half of the diagonal away,
+/// and a slanted edge a little farther along the way to it.
+const REACH: f64 = 0.9;
+
 impl Light<'_> {
+    /// The light that a pixel gets from a microlens over which the edge moves by more than half a pixel: the mean over its even
+    /// points, between which the edge moves by less than two pixels.
+    pub(super) fn of_glass(&self, middle: [f64; 2]) -> f64 {
+        let Some(edge) = &self.edge else { return 0.0 };
+        let points = &self.rule.even_points;
+        let light = |&point: &[f64; 2]| {
+            let share = self.share_at(edge, point, middle);
+            if share > 0.0 { share * self.cos4(self.lit_place(middle, share), point) } else { 0.0 }
+        };
+        points.iter().map(light).sum::<f64>() / points.len() as f64
+    }
+
+    /// The share of a pixel that light through one point of the microlens reaches, cut by one straight edge.
+    ///
+    /// # Accuracy
+    ///
+    /// The edge is the mean one over the pixel, of the middle and the corners by the rule that is exact for quadratic functions.
+    fn share_at(&self, edge: &LightEdge, point: [f64; 2], middle: [f64; 2]) -> f64 {
+        let width = self.width_m() / self.scale;
+        let from = self.in_pupil(point, middle);
+        let within = |x: f64, y: f64| edge.within_m([from[0] + x * width, from[1] + y * width]);
+        let center = within(0.0, 0.0);
+        if center.abs() > REACH * width {
+            return if center > 0.0 { 1.0 } else { 0.0 };
+        }
+        let [a, b, c, d] = [within(-0.5, -0.5), within(0.5, -0.5), within(-0.5, 0.5), within(0.5, 0.5)];
+        cut_share((2.0 * center + (a + b + c + d) / 4.0) / 3.0, (b + d - a - c) / 2.0, (c + d - a - b) / 2.0)
+    }
+
+    /// Where a ray from a point of the microlens to a place on the sensor crosses the plane of the exit pupil.
+    fn in_pupil(&self, point: [f64; 2], middle: [f64; 2]) -> [f64; 2] {
+        let (from, per_sensor) = (self.on_sensor(middle), 1.0 / self.scale);
+        [0, 1].map(|k| per_sensor * from[k] - self.lens.alpha * point[k])
+    }
+
     /// The share of a pixel that light through one point of the microlens reaches: that of parts that a straight edge cuts.
     ///
     /// # Accuracy
@@ -14,15 +53,11 @@ impl Light<'_> {
     /// The edge bends by an eighth of the square of a part's width over its radius: for micro-images of 7 px radius 0.1 % of the
     /// pixel.
     pub(super) fn share_within(&self, edge: &LightEdge, point: [f64; 2], middle: [f64; 2]) -> f64 {
-        let (per_sensor, width) = (1.0 / self.scale, self.width_m() / self.scale);
-        let from = self.on_sensor(middle);
-        // In the plane of the exit pupil.
-        let from = [0, 1].map(|k| per_sensor * from[k] - self.lens.alpha * point[k]);
+        let width = self.width_m() / self.scale;
+        let from = self.in_pupil(point, middle);
         let within = |x: f64, y: f64| edge.within_m([from[0] + x * width, from[1] + y * width]);
-        // Corners are half of the diagonal away, and a slanted edge a little farther along the way to it.
-        let reach_m = 0.9 * width;
         let center = within(0.0, 0.0);
-        if center.abs() > reach_m {
+        if center.abs() > REACH * width {
             return if center > 0.0 { 1.0 } else { 0.0 };
         }
         let at = |k: usize| k as f64 / PARTS as f64 - 0.5;
