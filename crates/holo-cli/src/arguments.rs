@@ -44,7 +44,8 @@ pub use preview::PreviewOptions;
 pub use settings::{OfDataset, OfInfo, OfPreview, OfRender, Settings};
 pub use spec::open_camera;
 pub use tools::{
-    ApertureArgument, DepthOptions, EpiOptions, EvalOptions, InputOptions, NormalsArgument, RefocusOptions,
+    ApertureArgument, DepthOptions, DisparityArgument, EpiOptions, EvalOptions, InputOptions, NormalsArgument,
+    RefocusOptions, SynthesizeOptions,
 };
 pub use values::{Crop, Pair, Places, Seeds};
 
@@ -93,6 +94,8 @@ pub enum Command {
     Scene(SceneOptions),
     /// Refocus: add all views up to one image that is sharp at a distance, or everywhere.
     Refocus(RefocusOptions),
+    /// Synthesize the view of a place between the views, with the help of disparities.
+    Synthesize(SynthesizeOptions),
     /// Estimate a disparity map of the central view (not meters: disparity in pixels) from all views.
     Depth(DepthOptions),
     /// Score a disparity map against ground truth (BadPix, MSE ...), or an image against another (PSNR, SSIM).

@@ -23,6 +23,7 @@ pub mod remap;
 pub mod render;
 pub mod rotate;
 pub mod scene;
+pub mod synthesize;
 pub mod verify;
 pub mod view;
 

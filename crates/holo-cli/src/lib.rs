@@ -50,6 +50,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Quilt(options) => commands::quilt::run(&options),
         Command::Animate(options) => commands::animate::run(&options),
         Command::Refocus(options) => commands::refocus::run(&options),
+        Command::Synthesize(options) => commands::synthesize::run(&options),
         Command::Depth(options) => commands::depth::run(&options),
         Command::Eval(options) => commands::eval::run(&options),
         Command::Epi(options) => commands::epi::run(&options),

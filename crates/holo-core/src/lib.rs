@@ -104,6 +104,7 @@ pub mod sensor;
 #[cfg(feature = "serde")]
 mod serialize;
 mod shown;
+mod synthesize;
 
 /// The crate `ndarray` in the version of the public signatures.
 pub use ndarray;
@@ -123,3 +124,4 @@ pub use light_field::{
 pub use millimeters::{meters_to_millimeters, millimeters_to_meters};
 pub use real::Real;
 pub use shown::{shown, shown_lines, shown_output, visible};
+pub use synthesize::{SynthesizedView, ViewDisparities, ViewSynthesis};

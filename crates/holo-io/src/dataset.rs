@@ -35,6 +35,7 @@ pub use crate::names::{
     CAMERA_TOML, CENTRAL_EXR, CODES_PNG, DATASET_JSON, DATASET_MD, DEPTH_PFM, DISPARITY_PFM, DISPARITY_PNG,
     ELEMENTAL_EXR, ELEMENTAL_PNG, HCI_FOLDER, HIT_MASK_PNG, LIGHT_FIELD_HDF5, LIGHT_FIELD_MAT, MANIFEST_JSON,
     PARAMETERS_CFG, RAW_EXR, RAW_PNG, SEQUENCE_HDF5, VIEWPOINT_EXR, VIEWPOINT_PNG, WEIGHT_PNG, WHITE_PNG,
+    layer_of_view,
 };
 
 /// Returns the relative path of the folder of one scene: `<scene>/<S>x<T>`, views as columns x rows.

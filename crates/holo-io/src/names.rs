@@ -47,6 +47,14 @@ pub const DATASET_JSON: &str = "dataset.json";
 /// The description of a dataset for human readers, in its root folder.
 pub const DATASET_MD: &str = "DATASET.md";
 
+/// Returns the file of a layer of view `k` of `count`, in the folder of the layer, numbered as in HCI folders: view row * columns +
+/// view column.
+#[must_use]
+pub fn layer_of_view(layer: &str, k: usize, count: usize, ending: &str) -> String {
+    let digits = 3.max((count - 1).to_string().len());
+    format!("{layer}/scene_{layer}_Cam{k:0digits$}.{ending}")
+}
+
 /// The images that this project writes beside a light field: none of them is a view of it.
 #[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
 pub(crate) const OWN_IMAGES: [&str; 8] =

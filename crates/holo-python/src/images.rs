@@ -3,11 +3,11 @@
 use holo_core::refocus::{Aperture, Kernel, Refocus};
 use holo_core::{
     BaselineRatio, ColorEncoding, DynLightField, GridSize, Layout, LightField, LightFieldRef, PlaneSweepOptions,
-    Sample, for_each_sample,
+    Sample, ViewDisparities, ViewIndex, ViewSynthesis, for_each_sample,
 };
 use holo_io::Compression;
 use ndarray::Array3;
-use numpy::{PyReadonlyArray2, PyReadonlyArray5};
+use numpy::{PyReadonlyArray2, PyReadonlyArray4, PyReadonlyArray5};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -70,6 +70,9 @@ pub fn encode<'py>(
     Ok(give_field(py, coded))
 }
 
+/// The kernels between pixels, and their names.
+const KERNELS: [(&str, Kernel); 2] = [("cubic", Kernel::CatmullRom), ("bilinear", Kernel::Bilinear)];
+
 /// Where a light field is in focus.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -91,9 +94,8 @@ pub fn refocus<'py>(
 ) -> Result<Bound<'py, PyAny>, Failure> {
     let field = LightField::new(field.as_array())?;
     let views = field.shape().views();
-    let kernels = [("cubic", Kernel::CatmullRom), ("bilinear", Kernel::Bilinear)];
     let refocus = Refocus::with_aperture(aperture(&request.aperture, views)?)
-        .kernel(options::choice("kernel", &request.kernel, &kernels)?)
+        .kernel(options::choice("kernel", &request.kernel, &KERNELS)?)
         .baseline_ratio(BaselineRatio::vertical_over_horizontal(request.baseline_ratio)?);
     let map = request.map.as_ref().map(|map| map.as_array());
     let image: Array3<f32> = py.detach(|| match (request.disparity_px, request.slope, map) {
@@ -114,6 +116,42 @@ fn aperture((shape, extent): &(String, f64), views: GridSize) -> Result<Aperture
         "gaussian" => Ok(Aperture::gaussian(views, center, *extent)?),
         other => Err(Failure::Usage(format!("aperture='{other}': give all, disc:D, square:D or gaussian:D"))),
     }
+}
+
+/// The disparities that a view is synthesized with: of one plane, of the central view, or of all views.
+#[derive(FromPyObject)]
+pub enum Disparities<'py> {
+    /// One number, px.
+    Plane(f64),
+    /// Axes (row, column).
+    Central(PyReadonlyArray2<'py, f32>),
+    /// Axes (microlens row, microlens column, view row, view column).
+    All(PyReadonlyArray4<'py, f32>),
+}
+
+/// A view between the views in linear light, its disparities, and where no view shows it.
+#[pyfunction]
+#[allow(clippy::type_complexity, reason = "three arrays")]
+pub fn synthesize<'py>(
+    py: Python<'py>,
+    field: PyReadonlyArray5<'py, f32>,
+    at: (f64, f64),
+    disparities: Disparities<'py>,
+    kernel: &str,
+    baseline_ratio: f64,
+) -> Result<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>), Failure> {
+    let field = LightField::new(field.as_array())?;
+    let synthesis = ViewSynthesis::default()
+        .kernel(options::choice("kernel", kernel, &KERNELS)?)
+        .baseline_ratio(BaselineRatio::vertical_over_horizontal(baseline_ratio)?);
+    let (t, s) = field.shape().central_view();
+    let disparities = match &disparities {
+        Disparities::Plane(disparity_px) => ViewDisparities::Plane(*disparity_px),
+        Disparities::Central(map) => ViewDisparities::OfView(map.as_array(), ViewIndex { row: t, column: s }),
+        Disparities::All(maps) => ViewDisparities::OfAll(maps.as_array()),
+    };
+    let view = py.detach(|| synthesis.at(&field, disparities, at))?;
+    Ok((give(py, view.image), give(py, view.disparity_px), give(py, view.holes)))
 }
 
 /// Disparity of the central view and its confidence, axes (row, column).

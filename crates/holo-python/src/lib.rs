@@ -52,6 +52,7 @@ fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(images::automatic_exposure, module)?,
         wrap_pyfunction!(images::encode, module)?,
         wrap_pyfunction!(images::refocus, module)?,
+        wrap_pyfunction!(images::synthesize, module)?,
         wrap_pyfunction!(images::plane_sweep, module)?,
         wrap_pyfunction!(images::png, module)?,
         wrap_pyfunction!(files::write_light_field, module)?,

@@ -126,6 +126,25 @@ def test_refocus_estimate_evaluate(rendering):
         unknown.disparity(effort="draft")
 
 
+def test_views_are_synthesized(rendering):
+    field = rendering.light_field
+    central = field.linear()[1, 1]
+    for disparity in (None, rendering.disparity, 0.25):
+        view = field.synthesize((1, 1), disparity)
+        assert np.array_equal(view.image, central) and not view.holes.any()
+    middle = field.synthesize((0.5, 0.5), 0.0).image
+    mean = np.mean([field.linear()[t, s] for t in (0, 1) for s in (0, 1)], axis=0)
+    assert np.allclose(middle, mean, atol=1e-6)
+    half = field.synthesize((0.5, 1), rendering.disparity)
+    assert half.disparity.shape == half.holes.shape == (48, 72)
+    maps = np.broadcast_to(np.float32(0.5), (48, 72, *field.shape[2:4]))
+    assert np.array_equal(field.synthesize((0.5, 1), maps).image, field.synthesize((0.5, 1), 0.5).image)
+    with pytest.raises(ValueError, match="view row"):
+        field.synthesize((7, 0), 0.0)
+    with pytest.raises(ValueError, match="2 or 4 axes"):
+        field.synthesize((0, 0), np.zeros(3))
+
+
 def test_regions_are_scored():
     truth = np.zeros((20, 20), np.float32)
     estimate = truth.copy()

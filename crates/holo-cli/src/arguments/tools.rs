@@ -70,6 +70,48 @@ pub enum ApertureArgument {
 }
 
 #[derive(Args, Debug)]
+pub struct SynthesizeOptions {
+    #[command(flatten)]
+    pub input: InputOptions,
+    /// Where the view is: the column and row among the views, from 0, which may be fractions.
+    #[arg(long, value_name = "S,T", allow_hyphen_values = true, value_parser = values::viewpoint)]
+    pub at: [f64; 2],
+    /// Where the surfaces are: `truth` that was rendered, of all views or of the central one; an `estimate` of the central view;
+    /// a map of it in a file; or `off`: views are blended as they are [default: truth where the input has it, else estimate].
+    #[arg(long, value_name = "truth|estimate|off|FILE.pfm")]
+    pub disparity: Option<DisparityArgument>,
+    /// Interpolation between the pixels of a view.
+    #[arg(long, value_parser = choice(KERNELS), default_value = "cubic")]
+    pub kernel: Kernel,
+    /// Image to write: .png, or .pfm for linear floats. NAME_holes.png beside it is white where no view shows the point.
+    #[arg(long, value_name = "FILE", value_parser = values::png_or_pfm)]
+    pub out: PathBuf,
+}
+
+/// `--disparity` of `holo synthesize`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DisparityArgument {
+    Truth,
+    Estimate,
+    Off,
+    File(PathBuf),
+}
+
+impl FromStr for DisparityArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "truth" => Ok(Self::Truth),
+            "estimate" => Ok(Self::Estimate),
+            "off" => Ok(Self::Off),
+            file if file.to_ascii_lowercase().ends_with(".pfm") => Ok(Self::File(file.into())),
+            _ => Err("give truth, estimate, off, or a disparity map (.pfm)".into()),
+        }
+    }
+}
+
+#[derive(Args, Debug)]
 pub struct DepthOptions {
     #[command(flatten)]
     pub input: InputOptions,

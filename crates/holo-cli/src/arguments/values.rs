@@ -159,6 +159,12 @@ pub fn stack(text: &str) -> Result<(f64, f64, usize), String> {
     }
 }
 
+/// `S,T`: column and row of a viewpoint.
+pub fn viewpoint(text: &str) -> Result<[f64; 2], String> {
+    let parts = text.split_once(',').and_then(|(s, t)| finite(s).ok().zip(finite(t).ok()));
+    parts.map(|(s, t)| [s, t]).ok_or_else(|| "write S,T, such as 1.5,1: a column and a row of views from 0".into())
+}
+
 /// `all`, or a shape with its size in views.
 pub fn aperture(text: &str) -> Result<ApertureArgument, String> {
     let sized = text.split_once(':').and_then(|(shape, size)| Some((shape, positive(size).ok()?)));

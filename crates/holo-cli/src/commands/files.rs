@@ -72,6 +72,11 @@ pub fn at_position(out: &Path, [column, row]: [usize; 2], largest: usize) -> Pat
     with_suffix(out, &format!("_r{row:0digits$}_c{column:0digits$}"))
 }
 
+/// `view.pfm` has `view_holes.png` beside it.
+pub fn beside(out: &Path, suffix: &str, ending: &str) -> PathBuf {
+    with_suffix(out, suffix).with_extension(ending)
+}
+
 fn with_suffix(out: &Path, suffix: &str) -> PathBuf {
     let mut name = out.file_stem().unwrap_or_default().to_os_string();
     name.push(suffix);

@@ -27,6 +27,7 @@ fn every_command_reads(bench: &Bench, folder: &str, what: &str, ending: &str) {
     for command in [
         format!("depth {folder} --range -2,2 --effort draft --out estimate.pfm"),
         format!("refocus {folder} --disparity 0 --out sharp.png"),
+        format!("synthesize {folder} --at 0.5,0.5 --disparity off --out between.{ending}"),
         format!("view {folder} --out page.html"),
         format!("extract {folder} --view 1,1 --out view.{ending}"),
         format!("epi {folder} --row 1,1 --out epi.{ending}"),

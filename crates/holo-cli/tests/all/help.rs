@@ -25,6 +25,7 @@ fn the_help_names_every_command_and_the_order_of_numbers() {
         "quilt",
         "animate",
         "refocus",
+        "synthesize",
         "depth",
         "eval",
         "epi",

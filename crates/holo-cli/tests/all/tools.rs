@@ -1,4 +1,4 @@
-//! `holo refocus`, `depth`, `eval` and `epi`: what they write is what the libraries say.
+//! `holo refocus`, `synthesize`, `depth`, `eval` and `epi`: what they write is what the libraries say.
 
 use crate::common::{Bench, Outcome, SCENE, read_u8, read_u16, small_split};
 use crate::python;
@@ -38,6 +38,58 @@ fn refocus_at_zero_is_the_mean_of_the_views_in_linear_light() {
             }
         }
     }
+}
+
+/// Half-way views are nearer to those that are rendered with the truth and with an estimate than views blended as they are.
+#[test]
+fn synthesized_views_are_those_that_are_rendered() {
+    let bench = Bench::new();
+    ok(bench.run("scene mountains --out mountains.glb"));
+    let more = "--lenses 96x72 --write vpi,disparity,hci --ground-truth all --spp 16";
+    ok(bench.run(&format!("render mountains.glb --out all --views 5x3 --disparity=-1,1 {more}")));
+    let field = holo_io::read_light_field(bench.path("all"), &holo_io::ReadOptions::default()).unwrap();
+    let rendered = field.light_field.into_linear(ColorEncoding::Srgb).unwrap();
+    let reader =
+        |folder: &str| holo_io::LightFieldReader::open(bench.path(folder), &holo_io::ReadOptions::default()).unwrap();
+    // Every other view, whose neighbors move by twice as much.
+    let maps = reader("all").disparity_px_of_views().unwrap().expect("maps of all views");
+    assert_eq!(maps, reader("all/hci").disparity_px_of_views().unwrap().expect("maps of all views"));
+    let central = reader("all").central_disparity_px().unwrap().expect("a map of the central view");
+    assert_eq!(maps.slice(s![.., .., 1, 2]), central);
+    let some = holo_core::LightField::new(rendered.samples().slice(s![.., .., ..;2, ..;2, ..]).to_owned()).unwrap();
+    holo_io::write_png(
+        bench.path("some_vpi.png"),
+        some.to_viewpoint_grid().unwrap().mapv(encoded).view(),
+        ColorEncoding::Srgb,
+        Compression::Fast,
+    )
+    .unwrap();
+    write_pfm(bench.path("map.pfm"), maps.slice(s![.., .., 2, 2]).mapv(|x| 2.0 * x).view()).unwrap();
+    let error = |disparity: &str| {
+        let out = ok(bench.run(&format!(
+            "synthesize some_vpi.png --views 3x2 --at 1.5,0.5 --disparity {disparity} --out between.png"
+        )));
+        assert!(out.stderr.contains("pixels are in no view"), "{out:?}");
+        assert_eq!(read_u8(bench.path("between_holes.png")).dim(), (72, 96, 1));
+        let view = read_u8(bench.path("between.png"));
+        let truth = rendered.view(1, 3).unwrap();
+        view.iter().zip(truth).map(|(&a, &b)| (f64::from(a) - f64::from(encoded(b))).powi(2)).sum::<f64>().sqrt()
+    };
+    let (off, map, estimate) = (error("off"), error("map.pfm"), error("estimate"));
+    println!("off {off:.1}, map {map:.1}, estimate {estimate:.1}");
+    assert!(map < 0.8 * off && estimate < 0.9 * off, "{off} {map} {estimate}");
+    // A view of the grid is itself, by truth of all views or of the central one.
+    ok(bench.run("extract all --view 3,1 --out view.png"));
+    ok(bench.run("synthesize all --at 3,1 --out same.png"));
+    assert_eq!(read_u8(bench.path("view.png")), read_u8(bench.path("same.png")));
+    let refused = bench.run("synthesize some_vpi.png --views 3x2 --at 1,1 --disparity truth --out x.png");
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+    assert!(refused.stderr.contains("--disparity estimate"), "{refused:?}");
+}
+
+fn encoded(linear: f32) -> u8 {
+    let curve = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * curve.clamp(0.0, 1.0)).round() as u8
 }
 
 #[test]
@@ -214,6 +266,9 @@ fn wrong_use_is_said() {
         ("refocus out --disparity 0 --distance-m 1 --out x.png", "cannot be used with"),
         ("refocus out --disparity 0 --aperture round --out x.png", "disc:D"),
         ("refocus out --stack 1,2 --out x.png", "A,B,N"),
+        ("synthesize out --at 1 --out x.png", "S,T"),
+        ("synthesize out --at 1,-0.5 --out x.png", "view row"),
+        ("synthesize out --at 1,1 --disparity none --out x.png", "truth, estimate, off"),
         ("refocus out --distance-m -1 --out x.png", "above 0"),
         ("refocus alone/scene_el.png --views 5x4 --distance-m 1 --out x.png", "camera parameters are unknown"),
         ("depth out --out x.pfm --range 2,1", "MIN,MAX"),

@@ -20,7 +20,7 @@ pub(super) const PAD: usize = 2;
 
 impl Kernel {
     /// The weights of the pixels at -1, 0, 1 and 2 for the position `fraction`.
-    pub(super) fn weights(self, fraction: f64) -> [f64; 4] {
+    pub(crate) fn weights(self, fraction: f64) -> [f64; 4] {
         let f = fraction;
         match self {
             Self::Bilinear => [0.0, 1.0 - f, f, 0.0],

@@ -5,7 +5,8 @@
 //! layers of the central view.
 
 use holo_core::LightFieldOwned;
-use holo_io::{ColorEncoding, Compression, Destination, FileDigest, dataset};
+use holo_io::dataset::{self, layer_of_view};
+use holo_io::{ColorEncoding, Compression, Destination, FileDigest};
 use holo_render::{Layer, Layers, Rendered};
 use ndarray::{Array2, ArrayView3, Axis};
 use rayon::prelude::*;
@@ -80,13 +81,6 @@ pub(crate) fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_
     Ok(field.view(t, s)?)
 }
 
-/// The file of a layer of view `k` of `count`, in the folder of the layer, numbered as in HCI folders: view row * columns +
-/// view column.
-pub(crate) fn view_file(name: &str, k: usize, count: usize, ending: &str) -> String {
-    let digits = 3.max((count - 1).to_string().len());
-    format!("{name}/scene_{name}_Cam{k:0digits$}.{ending}")
-}
-
 fn write_central(folder: &mut OutputFolder, name: &str, image: ArrayView3<f32>) -> Result<(), Error> {
     let file = format!("scene_{}.pfm", file_part(name));
     let written = write_pfm(folder.file(&file), image)?;
@@ -102,7 +96,7 @@ fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwne
     let written: Vec<(String, FileDigest)> = (0..views.count())
         .into_par_iter()
         .map(|k| {
-            let file = view_file(&name, k, views.count(), "pfm");
+            let file = layer_of_view(&name, k, views.count(), "pfm");
             let view = field.view(k / views.columns, k % views.columns)?;
             let written = write_pfm(folder.file(&file), view)?;
             Ok((file, written))

@@ -1,10 +1,11 @@
 //! Motion until the next frame: optical flow as `.flo`, scene flow as PFM.
 
 use holo_core::Rig;
+use holo_io::dataset::layer_of_view;
 use holo_render::Motion;
 
 use super::folder::OutputFolder;
-use super::layers::{FLOWS, file_part, view_file, write_pfm};
+use super::layers::{FLOWS, file_part, write_pfm};
 use super::wanted::Wanted;
 use crate::Error;
 
@@ -21,7 +22,7 @@ pub(crate) fn write(folder: &mut OutputFolder, wanted: &Wanted, rig: &Rig, motio
         if motion.len() > 1 {
             folder.subfolder(&name)?;
             for (k, motion) in motion.iter().enumerate() {
-                kind.write(folder, view_file(&name, k, count, ending), motion)?;
+                kind.write(folder, layer_of_view(&name, k, count, ending), motion)?;
             }
         }
     }

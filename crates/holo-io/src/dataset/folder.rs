@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use holo_core::{DynLightField, GridSize, Layout, LightFieldShape, Rig};
-use ndarray::Array2;
+use ndarray::{Array2, Array4, Axis};
 
 use super::{
     DEPTH_PFM, DISPARITY_PFM, ELEMENTAL_PNG, HCI_FOLDER, MANIFEST_JSON, PARAMETERS_CFG, Representation, VIEWPOINT_PNG,
+    layer_of_view,
 };
 use crate::folder::Folder;
 use crate::{Error, Limits, Manifest, ParametersCfg, hci, read_pfm_gray, read_png, read_png_info};
@@ -169,6 +170,35 @@ impl DatasetFolder {
     /// As [`DatasetFolder::depth_m`].
     pub fn disparity_px(&self, limits: &Limits) -> Result<Option<Array2<f32>>, Error> {
         self.map(DISPARITY_PFM, limits)
+    }
+
+    /// Reads the disparities of all views in pixels between horizontally adjacent views, or returns `None` if the dataset has not
+    /// those of every view.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, t, s)`.
+    ///
+    /// # Errors
+    ///
+    /// As [`DatasetFolder::depth_m`]; [`Error::TooLarge`] if all maps together exceed the limits, before memory is allocated for
+    /// them.
+    pub fn disparity_px_of_views(&self, limits: &Limits) -> Result<Option<Array4<f32>>, Error> {
+        let (views, lenses) = (self.shape().views(), self.shape().lenses());
+        let names: Vec<String> =
+            (0..views.count()).map(|k| layer_of_view("disparity", k, views.count(), "pfm")).collect();
+        if names.iter().any(|name| !self.manifest.files.contains_key(name)) {
+            return Ok(None);
+        }
+        let shape = [lenses.rows, lenses.columns, views.rows, views.columns];
+        limits.elements(&self.path, "ground truth", &shape, size_of::<f32>())?;
+        let mut maps = Array4::zeros(shape);
+        for (k, name) in names.iter().enumerate() {
+            let Some(map) = self.map(name, limits)? else { return Ok(None) };
+            let mut columns = maps.index_axis_mut(Axis(2), k / views.columns);
+            columns.index_axis_mut(Axis(2), k % views.columns).assign(&map);
+        }
+        Ok(Some(maps))
     }
 
     fn map(&self, name: &str, limits: &Limits) -> Result<Option<Array2<f32>>, Error> {

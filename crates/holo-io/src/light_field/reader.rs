@@ -6,7 +6,7 @@ use holo_core::{
     ColorEncoding, DynImage, DynLightField, GridSize, Layout, LightFieldOwned, LightFieldShape, PlaneSweepOptions, Rig,
     ViewOrder, for_each_sample,
 };
-use ndarray::Array2;
+use ndarray::{Array2, Array4};
 
 use super::options::ReadOptions;
 use super::source::{Map, Source};
@@ -219,6 +219,27 @@ impl LightFieldReader {
     /// Those of the reader of the format.
     pub fn central_disparity_px(&self) -> Result<Option<Array2<f32>>, Error> {
         self.central_map(Map::Disparity)
+    }
+
+    /// Reads the disparities of all views in pixels between horizontally adjacent views, or returns `None` if the files have not
+    /// those of every view.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, t, s)`; positive nearer than the focus plane.
+    ///
+    /// # Errors
+    ///
+    /// Those of the reader of the format; [`Error::TooLarge`] if all maps together exceed the limits.
+    pub fn disparity_px_of_views(&self) -> Result<Option<Array4<f32>>, Error> {
+        #[cfg(feature = "png")]
+        if let Some(folder) = &self.dataset {
+            let beside = folder.disparity_px_of_views(&self.limits)?;
+            if beside.is_some() {
+                return Ok(beside);
+            }
+        }
+        self.source.disparity_px_of_views(&self.limits)
     }
 
     /// Reads one view without the others, or returns `None` if the format stores them together: then [`read`](Self::read)

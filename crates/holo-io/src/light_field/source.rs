@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use holo_core::{DynImage, DynLightField, LightFieldShape, ViewOrder};
-use ndarray::Array2;
+#[cfg(feature = "png")]
+use ndarray::Axis;
+use ndarray::{Array2, Array4};
 
 use crate::{Error, Limits};
 
@@ -87,6 +89,25 @@ impl Source {
             }
             #[cfg(feature = "hdf5")]
             (Self::OldHci(file), map) => file.central_map(hdf5_map(map)),
+            #[allow(unreachable_patterns, reason = "with one feature alone there is no other variant")]
+            _ => Ok(None),
+        }
+    }
+
+    /// The disparities of all views, if the file has those of every view.
+    #[allow(unused_variables, reason = "with one feature alone some are unused")]
+    pub(super) fn disparity_px_of_views(&self, limits: &Limits) -> Result<Option<Array4<f32>>, Error> {
+        match self {
+            #[cfg(feature = "png")]
+            Self::Hci(folder) => {
+                let maps = folder.truth_of_all_views(HciQuantity::Disparity, limits)?;
+                Ok(maps.map(|maps| maps.into_samples().index_axis_move(Axis(4), 0)))
+            }
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(file) => {
+                let map = hdf5_map(Map::Disparity);
+                file.maps().0.contains(&map).then(|| file.read_map(map)).transpose()
+            }
             #[allow(unreachable_patterns, reason = "with one feature alone there is no other variant")]
             _ => Ok(None),
         }

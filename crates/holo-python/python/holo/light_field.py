@@ -16,6 +16,17 @@ _AXES = "vutsc"
 _DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
 
 
+class SynthesizedView(NamedTuple):
+    """A view between the views of a light field."""
+
+    image: np.ndarray
+    """float32 in linear light, axes (row, column, channel)."""
+    disparity: np.ndarray
+    """Its disparities, px between adjacent views, axes (row, column)."""
+    holes: np.ndarray
+    """True where no view shows the point: filled from the farther surface beside it; axes (row, column)."""
+
+
 class Estimate(NamedTuple):
     """A disparity map and how sure it is, axes (row, column)."""
 
@@ -278,6 +289,25 @@ class LightField:
                 )
         estimate = Estimate(*_holo.plane_sweep(self.array, range, effort, self._baseline_ratio()))
         return estimate if confidence else estimate.disparity
+
+    def synthesize(
+        self, at: tuple[float, float], disparity: float | np.ndarray | None = None, *, kernel: str = "cubic"
+    ) -> SynthesizedView:
+        """The view of a place between the views: neighboring views, blended along their disparities.
+
+        at: row and column among the views, from 0, which may be fractions.
+        disparity: a map of the central view, axes (row, column); those of all views, axes (row, column, view row, view column);
+        or one number: all lies in that plane, and 0 blends the views as they are. By default it is estimated.
+        kernel: "cubic" or "bilinear".
+        """
+        if disparity is None:
+            disparity = self.disparity()
+        if np.ndim(disparity) not in (0, 2, 4):
+            raise UsageError("disparity= has to be a number, or an array of 2 or 4 axes")
+        given = float(disparity) if np.ndim(disparity) == 0 else np.asarray(disparity, dtype=np.float32)
+        row, column = at
+        result = _holo.synthesize(self.linear().array, (float(row), float(column)), given, kernel, self._baseline_ratio())
+        return SynthesizedView(*result)
 
     def _baseline_ratio(self):
         if self.rig is None or self.rig.baseline_m == 0.0:

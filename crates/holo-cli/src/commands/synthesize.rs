@@ -1,0 +1,97 @@
+//! `holo synthesize`: the view of a place between the views.
+//!
+//! Light is blended, not codes: the sRGB curve of integers is undone first and put back at the end.
+
+use holo_core::{DynImage, LightFieldRef, SampleKind, ViewDisparities, ViewIndex, ViewSynthesis, plane_sweep};
+use holo_io::{LightFieldReader, Limits};
+use ndarray::{Array2, Array4};
+
+use super::files;
+use crate::arguments::{DisparityArgument, SynthesizeOptions};
+use crate::console::say;
+use crate::failure::{Failure, wrong_option};
+
+/// Disparities that were read or estimated.
+enum Maps {
+    Off,
+    Central(Array2<f32>),
+    All(Array4<f32>),
+}
+
+pub fn run(options: &SynthesizeOptions) -> Result<(), Failure> {
+    let reader = files::open(&options.input.input, &options.input)?;
+    files::say_source(&reader);
+    let shape = reader.shape();
+    let read = read_maps(&reader, options)?;
+    let file = files::read_samples(reader)?;
+    let is_8_bit = file.light_field.kind() == SampleKind::U8;
+    let (rig, sweep) = (file.rig, file.plane_sweep_options());
+    let field = file.light_field.without_alpha()?.into_linear(file.color_encoding)?;
+    let maps = match read {
+        Some(maps) => maps,
+        None => {
+            say!(
+                "note: disparities are estimated between {} and {} px",
+                sweep.disparity_min_px,
+                sweep.disparity_max_px
+            );
+            Maps::Central(estimate(field.as_light_field_ref(), &sweep)?)
+        }
+    };
+    let (t, s) = shape.central_view();
+    let disparities = match &maps {
+        Maps::Off => ViewDisparities::Plane(0.0),
+        Maps::Central(map) => ViewDisparities::OfView(map.view(), ViewIndex { row: t, column: s }),
+        Maps::All(maps) => ViewDisparities::OfAll(maps.view()),
+    };
+    let mut synthesis = ViewSynthesis::default().kernel(options.kernel);
+    if let Some(rig) = &rig {
+        synthesis = synthesis.baseline_ratio(rig.baseline_ratio());
+    }
+    let [s, t] = options.at;
+    let view = synthesis.at(&field, disparities, (t, s)).map_err(wrong_option)?;
+    let is_pfm = options.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm"));
+    let kind = match () {
+        () if is_pfm => SampleKind::F32,
+        // A PNG has as many bits as its source; floats get the most.
+        () if is_8_bit => SampleKind::U8,
+        () => SampleKind::U16,
+    };
+    files::write(&options.out, &DynImage::from_linear(view.image.view(), kind)?)?;
+    let holes = view.holes.mapv(|is_hole| if is_hole { 255u8 } else { 0 });
+    let count = view.holes.iter().filter(|&&is_hole| is_hole).count();
+    files::write(&files::beside(&options.out, "_holes", "png"), holes.view().insert_axis(ndarray::Axis(2)))?;
+    say!("{count} of {} pixels are in no view, and filled from farther surfaces", shape.lenses().count());
+    Ok(())
+}
+
+/// The disparities of files; `None` if they are to be estimated.
+fn read_maps(reader: &LightFieldReader, options: &SynthesizeOptions) -> Result<Option<Maps>, Failure> {
+    let truth = || -> Result<Option<Maps>, Failure> {
+        if let Some(maps) = reader.disparity_px_of_views()? {
+            return Ok(Some(Maps::All(maps)));
+        }
+        Ok(reader.central_disparity_px()?.map(Maps::Central))
+    };
+    match &options.disparity {
+        None => truth(),
+        Some(DisparityArgument::Estimate) => Ok(None),
+        Some(DisparityArgument::Off) => Ok(Some(Maps::Off)),
+        Some(DisparityArgument::File(path)) => {
+            Ok(Some(Maps::Central(holo_io::read_pfm_gray(path, &Limits::default())?)))
+        }
+        Some(DisparityArgument::Truth) => {
+            let missing = || {
+                let input = options.input.input.display();
+                Failure::Usage(format!(
+                    "{input}: it has no disparity map; render with `--write disparity --ground-truth all`, or give --disparity estimate"
+                ))
+            };
+            Ok(Some(truth()?.ok_or_else(missing)?))
+        }
+    }
+}
+
+fn estimate(field: LightFieldRef<'_, f32>, sweep: &holo_core::PlaneSweepOptions) -> Result<Array2<f32>, Failure> {
+    Ok(plane_sweep(&field, sweep)?.disparity_px)
+}

@@ -1,0 +1,154 @@
+//! View synthesis: the image of a viewpoint between the views, from neighboring views and disparity.
+//!
+//! A pixel of the new view lies on a line in every other view, and its disparity says where. The disparity maps of the
+//! neighboring views are surfaces over that line: the pixel shows the nearest one that the line meets from the front. Each of
+//! the four views around the viewpoint that sees this point gives its color there, and their mean, weighted by how near
+//! they are, is the pixel. What none of them sees, views farther away may see. What no view sees is a hole, filled from the
+//! farther surface beside it.
+//!
+//! With the same disparity everywhere this is quadrilinear interpolation on a focal plane (Levoy and Hanrahan 1996, Isaksen
+//! et al. 2000); with maps, their depth-corrected interpolation (Gortler et al., *The Lumigraph*, 1996).
+
+mod fill;
+mod new_view;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+use ndarray::{Array2, Array3, ArrayView2, ArrayView4, Data};
+
+use self::new_view::{NewView, Source};
+use self::surface::Maps;
+use crate::refocus::Kernel;
+use crate::{BaselineRatio, Error, LightField, Sample, ViewIndex};
+
+/// How many rings of views around the viewpoint may show what the four next to it do not see.
+const RINGS: usize = 3;
+
+/// Where the surfaces of a light field are.
+#[derive(Debug, Clone, Copy)]
+pub enum ViewDisparities<'a> {
+    /// The same disparity everywhere, px: all is in one plane.
+    Plane(f64),
+    /// The map of one view, `(v, u)`. What other views see is found from it.
+    OfView(ArrayView2<'a, f32>, ViewIndex),
+    /// The maps of all views, `(v, u, t, s)`.
+    OfAll(ArrayView4<'a, f32>),
+}
+
+/// A synthesized view.
+#[derive(Debug, Clone)]
+pub struct SynthesizedView {
+    /// The image, `(v, u, c)`.
+    pub image: Array3<f32>,
+    /// Its disparity map, `(v, u)`, px between adjacent views.
+    pub disparity_px: Array2<f32>,
+    /// The pixels that no view shows, `(v, u)`: they are filled from their neighbors.
+    pub holes: Array2<bool>,
+}
+
+/// Synthesizes the views of a light field at other viewpoints.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::{GridSize, LightField, LightFieldShape, ViewDisparities, ViewSynthesis};
+/// use ndarray::Array3;
+///
+/// // Two views of a dot that moves by two pixels to the left.
+/// let shape = LightFieldShape::new(GridSize::new(1, 2), GridSize::new(1, 7))?;
+/// let mut views = Array3::<f32>::zeros((1, 14, 1));
+/// (views[[0, 4, 0]], views[[0, 7 + 2, 0]]) = (1.0, 1.0);
+/// let light_field = LightField::from_viewpoint_grid(views, shape)?;
+/// let half_way = ViewSynthesis::default().at(&light_field, ViewDisparities::Plane(2.0), (0.0, 0.5))?;
+/// assert_eq!(half_way.image.into_raw_vec_and_offset().0, [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+/// # Ok::<(), holo_core::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ViewSynthesis {
+    kernel: Kernel,
+    ratio: BaselineRatio,
+}
+
+impl ViewSynthesis {
+    /// Sets the kernel for samples between the pixels of a view.
+    #[must_use]
+    pub fn kernel(self, kernel: Kernel) -> Self {
+        Self { kernel, ..self }
+    }
+
+    /// Sets the ratio of the baselines, [`Rig::baseline_ratio`](crate::Rig::baseline_ratio).
+    #[must_use]
+    pub fn baseline_ratio(self, ratio: BaselineRatio) -> Self {
+        Self { ratio, ..self }
+    }
+
+    /// Returns the view at a row and a column of the view grid, which may be fractions.
+    ///
+    /// # Accuracy
+    ///
+    /// At a view it is that view. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if the viewpoint lies outside of the grid, or no disparity is a number; [`Error::Shape`] if maps do
+    /// not have the shape of the light field; [`Error::OutOfMemory`] if the result does not fit into memory.
+    pub fn at<S>(
+        &self,
+        light_field: &LightField<S>,
+        disparities: ViewDisparities<'_>,
+        (t, s): (f64, f64),
+    ) -> Result<SynthesizedView, Error>
+    where
+        S: Data + Sync,
+        S::Elem: Sample,
+    {
+        let shape = light_field.shape();
+        for (what, value, count) in [("view row", t, shape.views().rows), ("view column", s, shape.views().columns)] {
+            if !(0.0..=(count - 1) as f64).contains(&value) {
+                return Err(Error::BadNumber { what, value, need: "within the grid of views" });
+            }
+        }
+        let maps = Maps::new(shape, disparities)?;
+        let mut view = NewView::new(shape.lenses(), light_field.channels())?;
+        for ring in 0..RINGS {
+            let sources = self.sources(&maps, (t, s), ring)?;
+            if sources.is_empty() || (ring > 0 && !view.has_holes()) {
+                continue;
+            }
+            view.add(light_field, &sources, self.kernel, maps.range_px());
+        }
+        view.finished()
+    }
+
+    /// The views of a ring around a viewpoint: ring 0 are the up to four of the cell that it lies in.
+    fn sources(&self, maps: &Maps<'_>, (t, s): (f64, f64), ring: usize) -> Result<Vec<Source>, Error> {
+        let first = |at: f64| at.floor() as isize;
+        let last = |at: f64| at.ceil() as isize;
+        let ring = ring as isize;
+        let mut sources = Vec::new();
+        for row in first(t) - ring..=last(t) + ring {
+            for column in first(s) - ring..=last(s) + ring {
+                let is_inner = |at: isize, center: f64| at > first(center) - ring && at < last(center) + ring;
+                let in_grid = |at: isize, count: usize| at >= 0 && (at as usize) < count;
+                let is_on_ring = ring == 0 || !is_inner(row, t) || !is_inner(column, s);
+                if !is_on_ring || !in_grid(row, maps.views().rows) || !in_grid(column, maps.views().columns) {
+                    continue;
+                }
+                let away = [row as f64 - t, column as f64 - s];
+                let weight = match ring {
+                    0 => (1.0 - away[0].abs()) * (1.0 - away[1].abs()),
+                    _ => 1.0 / (away[0] * away[0] + away[1] * away[1]),
+                };
+                let view = ViewIndex { row: row as usize, column: column as usize };
+                sources.push(Source {
+                    view,
+                    surface: maps.surface(view, self.ratio)?,
+                    steps: [-away[0] * self.ratio.vertical(), -away[1] * self.ratio.horizontal()],
+                    weight: weight as f32,
+                });
+            }
+        }
+        Ok(sources)
+    }
+}
