@@ -11,7 +11,7 @@ use crate::interrupt;
 use crate::progress::Bar;
 
 /// Samples a second of two cores, about.
-const SAMPLES_PER_S: f64 = 5e6;
+const SAMPLES_PER_S: f64 = 6e6;
 
 pub fn calibration(options: &CalibrationBenchmarkOptions) -> Result<(), Failure> {
     let benchmark = CalibrationBenchmark {

@@ -3,9 +3,6 @@
 use super::super::prescription::LightEdge;
 use super::Light;
 
-/// Parts of a pixel along each side, in which the edge of the light is taken to be straight.
-const PARTS: usize = 4;
-
 /// Farther from the middle of a pixel than this part of its width, no edge crosses it: corners are half of the diagonal away,
 /// and a slanted edge a little farther along the way to it.
 const REACH: f64 = 0.9;
@@ -17,7 +14,7 @@ impl Light<'_> {
         let Some(edge) = &self.edge else { return 0.0 };
         let points = &self.rule.even_points;
         let light = |&point: &[f64; 2]| {
-            let share = self.share_at(edge, point, middle);
+            let share = self.share_within(edge, point, middle);
             if share > 0.0 { share * self.cos4(self.lit_place(middle, share), point) } else { 0.0 }
         };
         points.iter().map(light).sum::<f64>() / points.len() as f64
@@ -28,7 +25,7 @@ impl Light<'_> {
     /// # Accuracy
     ///
     /// The edge is the mean one over the pixel, of the middle and the corners by the rule that is exact for quadratic functions.
-    fn share_at(&self, edge: &LightEdge, point: [f64; 2], middle: [f64; 2]) -> f64 {
+    pub(super) fn share_within(&self, edge: &LightEdge, point: [f64; 2], middle: [f64; 2]) -> f64 {
         let width = self.width_m() / self.scale;
         let from = self.in_pupil(point, middle);
         let within = |x: f64, y: f64| edge.within_m([from[0] + x * width, from[1] + y * width]);
@@ -44,34 +41,6 @@ impl Light<'_> {
     fn in_pupil(&self, point: [f64; 2], middle: [f64; 2]) -> [f64; 2] {
         let (from, per_sensor) = (self.on_sensor(middle), 1.0 / self.scale);
         [0, 1].map(|k| per_sensor * from[k] - self.lens.alpha * point[k])
-    }
-
-    /// The share of a pixel that light through one point of the microlens reaches: that of parts that a straight edge cuts.
-    ///
-    /// # Accuracy
-    ///
-    /// The edge bends by an eighth of the square of a part's width over its radius: for micro-images of 7 px radius 0.1 % of the
-    /// pixel.
-    pub(super) fn share_within(&self, edge: &LightEdge, point: [f64; 2], middle: [f64; 2]) -> f64 {
-        let width = self.width_m() / self.scale;
-        let from = self.in_pupil(point, middle);
-        let within = |x: f64, y: f64| edge.within_m([from[0] + x * width, from[1] + y * width]);
-        let center = within(0.0, 0.0);
-        if center.abs() > REACH * width {
-            return if center > 0.0 { 1.0 } else { 0.0 };
-        }
-        let at = |k: usize| k as f64 / PARTS as f64 - 0.5;
-        let mut rows = [[0.0; PARTS + 1]; 2];
-        rows[1] = std::array::from_fn(|column| within(at(column), at(0)));
-        let mut share = 0.0;
-        for row in 1..=PARTS {
-            rows = [rows[1], std::array::from_fn(|column| within(at(column), at(row)))];
-            for column in 0..PARTS {
-                let [[a, b], [c, d]] = rows.map(|row| [row[column], row[column + 1]]);
-                share += cut_share((a + b + c + d) / 4.0, (b + d - a - c) / 2.0, (c + d - a - b) / 2.0);
-            }
-        }
-        share / (PARTS * PARTS) as f64
     }
 }
 
