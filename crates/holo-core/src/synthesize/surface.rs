@@ -183,6 +183,11 @@ impl Surface {
         for k in 1..=count + 1 {
             let (far, after) = (place(k), above(place(k)));
             if before < 0.0 && after >= 0.0 {
+                // Exact on a plane, which most surfaces are between two steps.
+                let between = near + (far - near) * before / (before - after);
+                if above(between).abs() < MEETS_PX / 100.0 {
+                    return Some(between);
+                }
                 let (mut front, mut back) = (near, far);
                 for _ in 0..24 {
                     let middle = (front + back) / 2.0;
