@@ -1,10 +1,10 @@
 //! View synthesis: the image of a viewpoint between the views, from neighboring views and disparity.
 //!
-//! A pixel of the new view lies on a line in every other view, and its disparity says where. The disparity maps of the
-//! neighboring views are surfaces over that line: the pixel shows the nearest one that the line meets from the front. Each of
-//! the four views around the viewpoint that sees this point gives its color there, and their mean, weighted by how near
-//! they are, is the pixel. What none of them sees, views farther away may see. What no view sees is a hole, filled from the
-//! farther surface beside it.
+//! A pixel of the new view lies on a line in every other view, and its disparity says where. The disparity maps of the four
+//! views around the viewpoint are surfaces over these lines, and each view shows the pixel where its line meets its surface from
+//! the front. The pixel is the mean color of the views that agree on a point, weighted by how near they are; of two points that
+//! as many views show, it is the nearer one. What none of the four shows, views farther away may show. What no view shows is a
+//! hole, and the farthest surface around it fills it.
 //!
 //! With the same disparity everywhere this is quadrilinear interpolation on a focal plane (Levoy and Hanrahan 1996, Isaksen
 //! et al. 2000); with maps, their depth-corrected interpolation (Gortler et al., *The Lumigraph*, 1996).
@@ -43,7 +43,7 @@ pub struct SynthesizedView {
     pub image: Array3<f32>,
     /// Its disparity map, `(v, u)`, px between adjacent views.
     pub disparity_px: Array2<f32>,
-    /// The pixels that no view shows, `(v, u)`: they are filled from their neighbors.
+    /// The pixels that no view shows, `(v, u)`: the farthest surface around them fills them. If no view shows any pixel, the image is 0.
     pub holes: Array2<bool>,
 }
 
@@ -112,10 +112,10 @@ impl ViewSynthesis {
         let maps = Maps::new(shape, disparities)?;
         let mut view = NewView::new(shape.lenses(), light_field.channels())?;
         for ring in 0..RINGS {
-            let sources = self.sources(&maps, (t, s), ring)?;
-            if sources.is_empty() || (ring > 0 && !view.has_holes()) {
-                continue;
+            if !view.has_holes() {
+                break;
             }
+            let sources = self.sources(&maps, (t, s), ring)?;
             view.add(light_field, &sources, self.kernel, maps.range_px());
         }
         view.finished()

@@ -83,7 +83,7 @@ pub struct SynthesizeOptions {
     /// Interpolation between the pixels of a view.
     #[arg(long, value_parser = choice(KERNELS), default_value = "cubic")]
     pub kernel: Kernel,
-    /// Image to write: .png, or .pfm for linear floats. NAME_holes.png beside it is white where no view shows the point.
+    /// Image to write: .png, or .pfm for linear floats. NAME_holes.png, which is also written, is white where no view shows the point.
     #[arg(long, value_name = "FILE", value_parser = values::png_or_pfm)]
     pub out: PathBuf,
 }

@@ -2,7 +2,7 @@
 //!
 //! Light is blended, not codes: the sRGB curve of integers is undone first and put back at the end.
 
-use holo_core::{DynImage, LightFieldRef, SampleKind, ViewDisparities, ViewIndex, ViewSynthesis, plane_sweep};
+use holo_core::{DynImage, SampleKind, ViewDisparities, ViewIndex, ViewSynthesis, plane_sweep};
 use holo_io::{LightFieldReader, Limits};
 use ndarray::{Array2, Array4};
 
@@ -35,7 +35,7 @@ pub fn run(options: &SynthesizeOptions) -> Result<(), Failure> {
                 sweep.disparity_min_px,
                 sweep.disparity_max_px
             );
-            Maps::Central(estimate(field.as_light_field_ref(), &sweep)?)
+            Maps::Central(plane_sweep(&field, &sweep)?.disparity_px)
         }
     };
     let (t, s) = shape.central_view();
@@ -90,8 +90,4 @@ fn read_maps(reader: &LightFieldReader, options: &SynthesizeOptions) -> Result<O
             Ok(Some(truth()?.ok_or_else(missing)?))
         }
     }
-}
-
-fn estimate(field: LightFieldRef<'_, f32>, sweep: &holo_core::PlaneSweepOptions) -> Result<Array2<f32>, Failure> {
-    Ok(plane_sweep(&field, sweep)?.disparity_px)
 }

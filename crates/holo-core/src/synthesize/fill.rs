@@ -1,4 +1,4 @@
-//! Holes are filled from the farthest surface beside them: what is hidden from a view belongs to it.
+//! The farthest surface around a hole fills it: what is hidden from a view belongs to it.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;

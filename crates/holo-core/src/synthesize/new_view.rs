@@ -10,8 +10,8 @@ use crate::parallel::*;
 use crate::refocus::Kernel;
 use crate::{Error, GridSize, LightField, Sample, ViewIndex};
 
-/// Colors of points that lie apart by less in the view that shows them are blended, px: a wrong one at the edge of a surface, of which
-/// pixels show both sides, costs less than a jagged edge.
+/// Views agree on a point if their points lie no farther apart than this in a view, px: then their colors are blended. Pixels at
+/// edges show two surfaces, and a mean of both is nearer to them than either.
 const APART_PX: f64 = 1.0;
 
 /// A view of the light field that shows parts of the new one.

@@ -165,13 +165,24 @@ impl Surface {
         })
     }
 
+    /// The part of a range of disparities at which a line lies within the view.
+    fn crossed(&self, line: &Line, range_px: [f64; 2]) -> Option<[f64; 2]> {
+        let [mut low, mut high] = range_px;
+        for axis in (0..2).filter(|&axis| line.step[axis] != 0.0) {
+            let ends = [-0.5, self.size[axis] as f64 - 0.5].map(|end| (end - line.from[axis]) / line.step[axis]);
+            (low, high) = (low.max(ends[0].min(ends[1])), high.min(ends[0].max(ends[1])));
+        }
+        (low <= high).then_some([low, high])
+    }
+
     /// The greatest disparity at which a line meets the surface from the front.
-    pub fn meets(&self, line: &Line, [low_px, high_px]: [f64; 2]) -> Option<f64> {
+    pub fn meets(&self, line: &Line, range_px: [f64; 2]) -> Option<f64> {
         let slope = line.step[0].abs().max(line.step[1].abs());
         if slope == 0.0 {
             let disparity_px = self.at(line.from);
             return disparity_px.is_finite().then_some(disparity_px);
         }
+        let [low_px, high_px] = self.crossed(line, range_px)?;
         // How far the surface is nearer than the line: below 0 before it, NaN outside.
         let above = |disparity_px: f64| self.at(line.at(disparity_px)) - disparity_px;
         let stride = STRIDE_PX / slope;

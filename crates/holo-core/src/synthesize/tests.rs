@@ -120,6 +120,24 @@ fn what_no_view_sees_is_a_hole() {
     }
 }
 
+/// A number that is no disparity costs no time, and hardly anything of the other pixels: lines are followed within the view only.
+/// They are followed in steps from the nearest disparity on, so that other edges are met within half a pixel.
+#[test]
+fn absurd_disparities_end_at_the_border_of_the_view() {
+    let (field, mut maps) = scene();
+    let error = |maps: &Array4<f32>| {
+        let view =
+            ViewSynthesis::default().at(&field, ViewDisparities::OfAll(maps.view()), (0.5, 0.5)).expect("a view");
+        assert!(view.image.iter().all(|x| x.is_finite()));
+        deviation(&view, (0.5, 0.5))
+    };
+    let sound = error(&maps);
+    (maps[[0, 0, 1, 1]], maps[[0, 47, 0, 0]]) = (1e30, -1e30);
+    let absurd = error(&maps);
+    println!("{sound} {absurd}");
+    assert!(absurd < 2.0 * sound, "{sound} {absurd}");
+}
+
 #[test]
 fn wrong_input_is_refused() {
     let (field, maps) = scene();

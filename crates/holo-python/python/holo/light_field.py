@@ -24,7 +24,7 @@ class SynthesizedView(NamedTuple):
     disparity: np.ndarray
     """Its disparities, px between adjacent views, axes (row, column)."""
     holes: np.ndarray
-    """True where no view shows the point: filled from the farther surface beside it; axes (row, column)."""
+    """True where no view shows the point, and the farthest surface around it fills the image; axes (row, column)."""
 
 
 class Estimate(NamedTuple):
