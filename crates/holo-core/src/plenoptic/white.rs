@@ -6,10 +6,12 @@ use ndarray::{Array2, ArrayViewMut2, Axis};
 
 mod area;
 mod glass;
+mod points;
 
 use self::area::{SMALL_SQUARE, area_of, clipped, quadrant, small_square};
+use self::glass::LensEdges;
+use self::points::{GAUSS_3, even_points, lens_points};
 use super::microlenses::HEX_ROW;
-use super::prescription::LightEdge;
 use super::{LensAperture, Microlens, PlenopticCamera, PupilShape};
 use crate::Error;
 use crate::memory;
@@ -29,10 +31,6 @@ const SHARP_EDGE_PX: f64 = 0.005;
 /// Gauss-Legendre places within a pixel: two, from -1/2 to 1/2.
 const GAUSS: [f64; 2] = [-0.288_675_134_594_812_9, 0.288_675_134_594_812_9];
 
-/// Three of them from 0 to 1, with their weights.
-const GAUSS_3: [(f64, f64); 3] =
-    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
-
 impl PlenopticCamera {
     /// Returns the white image: for every pixel the light of a scene of radiance 1, relative to the center of an
     /// unvignetted micro-image on the axis. Axes (row, column).
@@ -45,7 +43,8 @@ impl PlenopticCamera {
     /// Quadrature over pixel and microlens, for microlenses of f/1.6 or slower: 2e-4 of the whole light. If the image of
     /// the pupil moves by less than 0.05 px over a microlens, single pixels at the edges of micro-images are within 2e-3,
     /// and the light of all pixels in which micro-images overlap is within 5e-4; if it moves farther, single pixels are
-    /// within 2e-2, with a deviation of 5e-3. So are those at the edges of the light of a lens of glass.
+    /// within 2e-2, with a deviation of 5e-3. So are those at the edges of the light of a lens of glass, where the whole light is within
+    /// 5e-4 also where it ends.
     ///
     /// # Errors
     ///
@@ -157,7 +156,7 @@ struct Rule {
     points: Vec<([f64; 2], f64)>,
     /// The mean of x^2 over them.
     spread_m2: f64,
-    /// Points of a microlens that stand for the same area each.
+    /// Many points that stand for the same area each.
     even_points: Vec<[f64; 2]>,
     edges: Vec<Edge>,
     /// The mean of cos^4 over pixel and microlens, by the squared distance of their centers, so many entries per m^2; for round
@@ -229,57 +228,10 @@ impl Rule {
     }
 }
 
-/// Points of a microlens from its center, with weights whose sum is 1.
-fn lens_points(aperture: LensAperture, rotation_rad: f64) -> Vec<([f64; 2], f64)> {
-    let points: Vec<([f64; 2], f64)> = match aperture {
-        // Stroud, S2 5-1.
-        LensAperture::Round { radius_m } => ring(radius_m * (2f64 / 3.0).sqrt(), 0.125),
-        LensAperture::Square { half_width_m } => {
-            let each = GAUSS_3.iter().flat_map(|&(y, wy)| GAUSS_3.map(|(x, wx)| ([x, y], wx * wy)));
-            each.map(|(point, weight)| (point.map(|x| (2.0 * x - 1.0) * half_width_m), weight)).collect()
-        }
-        // Of the same means of r^2 and r^4 as the hexagon: 5/9 and 56/135 for a half width of 1.
-        LensAperture::Hexagon { half_width_m } => ring(half_width_m * (56f64 / 75.0).sqrt(), 125.0 / 1008.0),
-    };
-    points.into_iter().map(|(point, weight)| (super::microlenses::rotate(point, rotation_rad), weight)).collect()
-}
-
-/// About [`EVEN_POINTS`] points of a microlens from its center that stand for the same area each.
-fn even_points(aperture: LensAperture, rotation_rad: f64) -> Vec<[f64; 2]> {
-    let middles =
-        |side: usize| (0..side * side).map(move |k| [k % side, k / side].map(|k| (k as f64 + 0.5) / side as f64));
-    let points: Vec<[f64; 2]> = match aperture {
-        // Vogel, "A better way to construct the sunflower head" (1979).
-        LensAperture::Round { radius_m } => (0..EVEN_POINTS)
-            .map(|k| {
-                let (sin, cos) = (k as f64 * std::f64::consts::PI * (3.0 - 5f64.sqrt())).sin_cos();
-                [cos, sin].map(|x| x * radius_m * ((k as f64 + 0.5) / EVEN_POINTS as f64).sqrt())
-            })
-            .collect(),
-        LensAperture::Square { half_width_m } => {
-            middles(EVEN_POINTS.isqrt()).map(|unit| unit.map(|x| (2.0 * x - 1.0) * half_width_m)).collect()
-        }
-        // Three rhombi between the center and every other corner.
-        LensAperture::Hexagon { .. } => {
-            let corners = [0.0, 1.0, 2.0, 3.0].map(|k: f64| {
-                let (sin, cos) = (k * 2.0 * std::f64::consts::FRAC_PI_3).sin_cos();
-                [sin, cos].map(|x| x * aperture.outer_radius_m())
-            });
-            let rhombi = corners.windows(2).map(|ends| [ends[0], ends[1]]);
-            let of_rhombus = |[a, b]: [[f64; 2]; 2]| {
-                middles((EVEN_POINTS / 3).isqrt()).map(move |[u, v]| [0, 1].map(|k| u * a[k] + v * b[k]))
-            };
-            rhombi.flat_map(of_rhombus).collect()
-        }
-    };
-    points.into_iter().map(|point| super::microlenses::rotate(point, rotation_rad)).collect()
-}
-
-/// The center, and six points around it of this weight each.
-fn ring(radius_m: f64, weight: f64) -> Vec<([f64; 2], f64)> {
-    let angles = (0..6).map(|k| (f64::from(k) * std::f64::consts::FRAC_PI_3).sin_cos());
-    let around = angles.map(|(sin, cos)| ([radius_m * cos, radius_m * sin], weight));
-    std::iter::once(([0.0; 2], 1.0 - 6.0 * weight)).chain(around).collect()
+/// The part of a pixel that light reaches: how much of it, and its middle.
+struct Lit {
+    share: f64,
+    place: [f64; 2],
 }
 
 /// The light through a microlens. Places on the sensor are from the axis, points of the microlens from its center.
@@ -296,14 +248,15 @@ struct Light<'a> {
     /// The squared distances from the middle of the pupil's image within which it covers all of a pixel, and from which on
     /// nothing.
     covered: [f64; 2],
-    /// The edge of the light of a lens of glass.
-    edge: Option<LightEdge>,
+    /// The edges of the light of a lens of glass.
+    edges: Option<LensEdges>,
 }
 
 impl<'a> Light<'a> {
     fn new(camera: &'a PlenopticCamera, rule: &'a Rule, lens: Microlens) -> Self {
         let inner = camera.main_lens().aperture.inner_and_outer()[0] * lens.pupil.inner_m;
-        let moved = lens.alpha.abs() * camera.array().aperture.outer_radius_m();
+        let outer_m = camera.array().aperture.outer_radius_m();
+        let moved = lens.alpha.abs() * outer_m;
         let scale = lens.gap_m / lens.pupils.exit_m;
         let radius_m = scale * camera.exit_pupil_radius_m();
         let mut light = Self {
@@ -314,9 +267,8 @@ impl<'a> Light<'a> {
             scale,
             per_radius: 1.0 / radius_m,
             covered: [0.0; 2],
-            edge: None,
+            edges: camera.glass.as_ref().map(|glass| LensEdges::new(glass.table(), &lens, outer_m)),
         };
-        light.edge = camera.glass.as_ref().map(|glass| glass.table().edge(lens.center_m));
         let reach = light.width_m() * std::f64::consts::FRAC_1_SQRT_2;
         let squared = |within: f64| if within >= 0.0 { within * within } else { -1.0 };
         light.whole_squared = squared(scale * (inner - moved) - reach);
@@ -329,18 +281,20 @@ impl<'a> Light<'a> {
     #[inline]
     fn of_pixel(&self, middle: [f64; 2], edge: Edge) -> f64 {
         match edge {
-            Edge::Sharp | Edge::Narrow if self.is_lit_whole(middle) => self.mean_cos4(middle),
+            Edge::Sharp | Edge::Narrow | Edge::OfGlass if self.is_lit_whole(middle) => self.mean_cos4(middle),
             Edge::Sharp => {
-                let share = self.covered_share(self.middle_of_light(middle), middle);
-                if share > 0.0 { share * self.mean_cos4(self.lit_place(middle, share)) } else { 0.0 }
+                let Lit { share, place } = self.lit_part(self.middle_of_light(middle), middle);
+                if share > 0.0 { share * self.mean_cos4(place) } else { 0.0 }
             }
-            Edge::Narrow => self.rule.over_lens(|point| {
-                let share = self.covered_share(point, middle);
-                let width_m = share.sqrt() * self.width_m();
-                if share > 0.0 { share * self.cos4_over(self.lit_place(middle, share), width_m, point) } else { 0.0 }
-            }),
+            Edge::Narrow => match &self.edges {
+                Some(edges) => self.narrow_of_glass(edges, middle),
+                None => self.rule.over_lens(|point| {
+                    let share = self.covered_share(point, middle);
+                    if share > 0.0 { self.cos4_of(share, self.lit_place(middle, share), point) } else { 0.0 }
+                }),
+            },
+            Edge::OfGlass => self.edges.as_ref().map_or(0.0, |edges| self.of_glass(edges, middle)),
             Edge::Wide(steps) => self.wide(middle, steps),
-            Edge::OfGlass => self.of_glass(middle),
             Edge::Stopped => self.stopped(middle),
         }
     }
@@ -349,6 +303,11 @@ impl<'a> Light<'a> {
     fn cos4(&self, place: [f64; 2], point: [f64; 2]) -> f64 {
         let Microlens { center_m, gap_m, .. } = self.lens;
         cos4([place[0] - center_m[0], place[1] - center_m[1]], point, gap_m)
+    }
+
+    /// The light from a point of the microlens to the lit part of a pixel: its share, and its middle.
+    fn cos4_of(&self, share: f64, place: [f64; 2], point: [f64; 2]) -> f64 {
+        share * self.cos4_over(place, share.sqrt() * self.width_m(), point)
     }
 
     /// The mean of cos^4 of the light from a point of the microlens to a square around a place on the sensor.
@@ -385,6 +344,15 @@ impl<'a> Light<'a> {
     fn is_lit_whole(&self, middle: [f64; 2]) -> bool {
         let [x, y] = self.on_sensor(middle);
         x * x + y * y <= self.whole_squared
+    }
+
+    /// The part of a pixel that light through one point of the microlens reaches.
+    fn lit_part(&self, point: [f64; 2], middle: [f64; 2]) -> Lit {
+        if let Some(edges) = &self.edges {
+            return edges.lit_part(self, point, middle);
+        }
+        let share = self.covered_share(point, middle);
+        Lit { share, place: self.lit_place(middle, share) }
     }
 
     /// The middle of the lit part of a pixel that an edge crosses, which lies towards the center.
@@ -476,9 +444,6 @@ impl<'a> Light<'a> {
     /// The share of a pixel that light through one point of the microlens reaches: that of the image of the pupil.
     fn covered_share(&self, point: [f64; 2], middle: [f64; 2]) -> f64 {
         let (camera, pixel) = (self.camera, self.width_m());
-        if let Some(edge) = &self.edge {
-            return self.share_within(edge, point, middle);
-        }
         let from = self.on_sensor(middle);
         let from = [0, 1].map(|k| from[k] - self.scale * self.lens.alpha * point[k]);
         let per_radius = self.per_radius;
@@ -516,9 +481,6 @@ impl<'a> Light<'a> {
     }
 }
 
-/// The number of points of a microlens behind a lens of glass.
-const EVEN_POINTS: usize = 100;
-
 /// The number of points of a pixel and the microlens where stops vignette: a mean error of 0.01 a pixel.
 const STOPPED_POINTS: u32 = 128;
 
@@ -544,23 +506,6 @@ fn cos4(place: [f64; 2], point: [f64; 2], gap_m: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// The points of a microlens have its mean of cos^4, up to the sixth power of half width / gap: 0.2 of that power.
-    #[test]
-    fn points_of_microlenses_have_the_mean_of_cos4() {
-        for part in [0.1f64, 0.25] {
-            for aperture in [
-                LensAperture::Round { radius_m: part },
-                LensAperture::Square { half_width_m: part },
-                LensAperture::Hexagon { half_width_m: part },
-            ] {
-                let points = lens_points(aperture, 0.3);
-                let mean: f64 = points.iter().map(|&(point, weight)| weight * cos4([0.0; 2], point, 1.0)).sum();
-                let error = mean - central_cos4(aperture, 1.0);
-                assert!(error.abs() < 0.2 * part.powi(6), "{aperture:?}: {error:e}");
-            }
-        }
-    }
 
     /// Rows are those of the whole image, also where bands begin elsewhere, and none are beyond the sensor.
     #[test]

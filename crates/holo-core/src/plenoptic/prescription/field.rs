@@ -40,6 +40,8 @@ struct Node {
     field: Field,
     /// The distances of the edge of the light from the middle of the disc, for directions from 0 to pi.
     edge_m: Vec<f64>,
+    /// The most by which the way to the edge changes per meter at the edge: 1 of a circle around the middle.
+    steepness: f64,
 }
 
 /// The light of places on the array.
@@ -107,19 +109,24 @@ impl FieldTable {
         (k, at - k as f64)
     }
 
+    /// The middle of the light of a place between two nodes. A place without light has no middle: where the light ends, the disc of
+    /// the last place with light holds it.
+    fn center_m(&self, k: usize, rest: f64) -> f64 {
+        let (low, high) = (self.nodes[k].field, self.nodes[k + 1].field);
+        match (low.radius_m > 0.0, high.radius_m > 0.0) {
+            (true, false) => low.center_m,
+            (false, true) => high.center_m,
+            _ => low.center_m + (high.center_m - low.center_m) * rest,
+        }
+    }
+
     /// The light of a place by the square of its distance from the axis.
     pub fn field(&self, squared_m: f64) -> Field {
         let (k, rest) = self.at(squared_m);
         let (low, high) = (self.nodes[k].field, self.nodes[k + 1].field);
-        let between = |a: f64, b: f64| a + (b - a) * rest;
         Field {
             exit_m: self.exit_at_m(squared_m),
-            // A place without light has no middle: where the light ends, the disc of the last place with light holds it.
-            center_m: match (low.radius_m > 0.0, high.radius_m > 0.0) {
-                (true, false) => low.center_m,
-                (false, true) => high.center_m,
-                _ => between(low.center_m, high.center_m),
-            },
+            center_m: self.center_m(k, rest),
             radius_m: low.radius_m.max(high.radius_m),
             inner_m: low.inner_m.min(high.inner_m),
         }
@@ -149,8 +156,9 @@ impl FieldTable {
         let between = |a: f64, b: f64| a + (b - a) * rest;
         LightEdge {
             along,
-            center_m: between(low.field.center_m, high.field.center_m),
+            center_m: self.center_m(k, rest),
             edge_m: std::array::from_fn(|j| between(low.edge_m[j], high.edge_m[j])),
+            steepness: low.steepness.max(high.steepness),
         }
     }
 
@@ -181,6 +189,8 @@ pub(in crate::plenoptic) struct LightEdge {
     /// The middle of the light from the axis, along it, m.
     center_m: f64,
     edge_m: [f64; DIRECTIONS],
+    /// The most by which [`Self::within_m`] changes per meter at the edge: 1 of a circle around its middle.
+    pub steepness: f64,
 }
 
 impl LightEdge {
@@ -286,7 +296,7 @@ impl Beam<'_> {
             .chain((1..=200).flat_map(|k| [-1.0, 1.0].map(|sign| sign * wide * f64::from(k) / 200.0)));
         let Some(from) = inside.into_iter().find(|&x| is_lit(x, 0.0)) else {
             let field = Field { exit_m: own_exit_m, center_m: 0.0, radius_m: 0.0, inner_m: -1.0 };
-            return Node { field, edge_m: vec![0.0; DIRECTIONS] };
+            return Node { field, edge_m: vec![0.0; DIRECTIONS], steepness: 1.0 };
         };
         let points: Vec<[f64; 2]> = edges(from)
             .into_iter()
@@ -314,7 +324,17 @@ impl Beam<'_> {
         let inner_m = if is_lit(0.0, 0.0) { nearest - MARGIN * radius_m } else { -1.0 };
         Node {
             field: Field { exit_m: own_exit_m, center_m, radius_m: farthest(center_m) + MARGIN * radius_m, inner_m },
+            steepness: steepness(&edge_m),
             edge_m,
         }
     }
+}
+
+/// The most by which the way to an edge changes per meter at the edge.
+fn steepness(edge_m: &[f64]) -> f64 {
+    let steepest = edge_m.windows(2).zip(0..).map(|(ends, j)| {
+        let angle = unit(j + 1)[0].acos() - unit(j)[0].acos();
+        2.0 * (ends[1] - ends[0]).abs() / ((ends[0] + ends[1]) * angle)
+    });
+    steepest.filter(|slope| slope.is_finite()).fold(0.0, f64::max).hypot(1.0)
 }

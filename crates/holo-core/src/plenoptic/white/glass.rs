@@ -1,47 +1,158 @@
 //! The part of a pixel that the light of a lens of glass reaches.
 
-use super::super::prescription::LightEdge;
-use super::Light;
+use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Farther from the middle of a pixel than this part of its width, no edge crosses it: corners are half of the diagonal away,
-/// and a slanted edge a little farther along the way to it.
-const REACH: f64 = 0.9;
+use super::super::Microlens;
+use super::super::prescription::{FieldTable, LightEdge};
+use super::{Light, Lit};
+
+/// A square within which the edge bends by more than this part of its width is divided: there one straight edge would be off by up
+/// to twice as much of the square.
+const STRAIGHT: f64 = 0.05;
+
+/// So often at most: the parts are then 1/1000 of the square.
+const DIVISIONS: u32 = 5;
+
+/// The strips of a microlens, across the way from the axis, that have an edge each.
+const STRIPS: usize = 5;
+
+/// The edges of the light to a microlens: they change along the way from the axis.
+pub(super) struct LensEdges {
+    edges: [LightEdge; STRIPS],
+    /// From the place of a point to its strip: strips per meter.
+    per_meter: [f64; 2],
+}
+
+impl LensEdges {
+    pub fn new(table: &FieldTable, lens: &Microlens, radius_m: f64) -> Self {
+        let away = lens.center_m[0].hypot(lens.center_m[1]);
+        let outwards = if away > 0.0 { lens.center_m.map(|x| x / away) } else { [1.0, 0.0] };
+        let middle = |strip: usize| radius_m * ((2 * strip + 1) as f64 / STRIPS as f64 - 1.0);
+        Self {
+            edges: std::array::from_fn(|strip| {
+                table.edge([0, 1].map(|k| lens.center_m[k] + middle(strip) * outwards[k]))
+            }),
+            per_meter: outwards.map(|x| x * STRIPS as f64 / (2.0 * radius_m)),
+        }
+    }
+
+    /// The part of a pixel that light reaches through a point of the microlens.
+    pub fn lit_part(&self, light: &Light<'_>, point: [f64; 2], middle: [f64; 2]) -> Lit {
+        let pixel = Pixel::new(light, middle);
+        let lit = pixel.lit(self.at(point), point);
+        Lit { share: lit.share, place: if lit.share > 0.0 { pixel.place(&lit) } else { middle } }
+    }
+
+    /// The edge of the strip that a point of the microlens lies in.
+    #[inline]
+    fn at(&self, point: [f64; 2]) -> &LightEdge {
+        let strip = point[0] * self.per_meter[0] + point[1] * self.per_meter[1] + STRIPS as f64 / 2.0;
+        &self.edges[(strip as usize).min(STRIPS - 1)]
+    }
+}
 
 impl Light<'_> {
     /// The light that a pixel gets from a microlens over which the edge moves by more than half a pixel: the mean over its even
     /// points, between which the edge moves by less than two pixels.
-    pub(super) fn of_glass(&self, middle: [f64; 2]) -> f64 {
-        let Some(edge) = &self.edge else { return 0.0 };
+    pub(super) fn of_glass(&self, edges: &LensEdges, middle: [f64; 2]) -> f64 {
+        let pixel = Pixel::new(self, middle);
         let points = &self.rule.even_points;
         let light = |&point: &[f64; 2]| {
-            let share = self.share_within(edge, point, middle);
-            if share > 0.0 { share * self.cos4(self.lit_place(middle, share), point) } else { 0.0 }
+            let lit = pixel.lit(edges.at(point), point);
+            if lit.share > 0.0 { lit.share * self.cos4(pixel.place(&lit), point) } else { 0.0 }
         };
         points.iter().map(light).sum::<f64>() / points.len() as f64
     }
 
-    /// The share of a pixel that light through one point of the microlens reaches, cut by one straight edge.
-    ///
-    /// # Accuracy
-    ///
-    /// The edge is the mean one over the pixel, of the middle and the corners by the rule that is exact for quadratic functions.
-    pub(super) fn share_within(&self, edge: &LightEdge, point: [f64; 2], middle: [f64; 2]) -> f64 {
-        let width = self.width_m() / self.scale;
-        let from = self.in_pupil(point, middle);
-        let within = |x: f64, y: f64| edge.within_m([from[0] + x * width, from[1] + y * width]);
-        let center = within(0.0, 0.0);
-        if center.abs() > REACH * width {
-            return if center > 0.0 { 1.0 } else { 0.0 };
-        }
-        let [a, b, c, d] = [within(-0.5, -0.5), within(0.5, -0.5), within(-0.5, 0.5), within(0.5, 0.5)];
-        cut_share((2.0 * center + (a + b + c + d) / 4.0) / 3.0, (b + d - a - c) / 2.0, (c + d - a - b) / 2.0)
+    /// The light that a pixel gets from a microlens over which the edge hardly moves.
+    pub(super) fn narrow_of_glass(&self, edges: &LensEdges, middle: [f64; 2]) -> f64 {
+        let pixel = Pixel::new(self, middle);
+        self.rule.over_lens(|point| {
+            let lit = pixel.lit(edges.at(point), point);
+            if lit.share > 0.0 { self.cos4_of(lit.share, pixel.place(&lit), point) } else { 0.0 }
+        })
+    }
+}
+
+/// A pixel, and what it sees through a point of the microlens: a square in the exit pupil.
+struct Pixel {
+    middle: [f64; 2],
+    width_m: f64,
+    /// The middle of the square through the center of the microlens, how far it moves per distance on the microlens, and its width.
+    square: [f64; 2],
+    alpha: f64,
+    square_m: f64,
+}
+
+impl Pixel {
+    #[inline]
+    fn new(light: &Light<'_>, middle: [f64; 2]) -> Self {
+        let (per_sensor, width_m) = (1.0 / light.scale, light.width_m());
+        let square = light.on_sensor(middle).map(|x| x * per_sensor);
+        Self { middle, width_m, square, alpha: light.lens.alpha, square_m: width_m * per_sensor }
     }
 
-    /// Where a ray from a point of the microlens to a place on the sensor crosses the plane of the exit pupil.
-    fn in_pupil(&self, point: [f64; 2], middle: [f64; 2]) -> [f64; 2] {
-        let (from, per_sensor) = (self.on_sensor(middle), 1.0 / self.scale);
-        [0, 1].map(|k| per_sensor * from[k] - self.lens.alpha * point[k])
+    #[inline]
+    fn lit(&self, edge: &LightEdge, point: [f64; 2]) -> Moments {
+        moments(edge, [0, 1].map(|k| self.square[k] - self.alpha * point[k]), self.square_m, DIVISIONS)
     }
+
+    /// The middle of the lit part of a pixel, which is not dark.
+    #[inline]
+    fn place(&self, lit: &Moments) -> [f64; 2] {
+        if lit.share >= 1.0 {
+            return self.middle;
+        }
+        let width_m = self.width_m / lit.share;
+        [0, 1].map(|k| self.middle[k] + lit.moved[k] * width_m)
+    }
+}
+
+/// The lit part of a square.
+struct Moments {
+    share: f64,
+    /// Its middle from that of the square, times the share, in widths of the square.
+    moved: [f64; 2],
+}
+
+/// The part of a square in the exit pupil that an edge leaves light.
+///
+/// # Accuracy
+///
+/// Where the edge hardly bends it is straight: the mean one over the square, of the middle and the corners by the rule that is exact
+/// for quadratic functions. Squares in which it bends, such as those at the tips of the light far from the axis, are divided.
+#[inline]
+fn moments(edge: &LightEdge, middle: [f64; 2], width: f64, divisions: u32) -> Moments {
+    let center = edge.within_m(middle);
+    if center.abs() > edge.steepness * FRAC_1_SQRT_2 * width {
+        return Moments { share: if center > 0.0 { 1.0 } else { 0.0 }, moved: [0.0; 2] };
+    }
+    of_cut_square(edge, (middle, center), width, divisions)
+}
+
+/// The same of a square that an edge may cross, with its middle and how far within the light that is.
+fn of_cut_square(edge: &LightEdge, (middle, center): ([f64; 2], f64), width: f64, divisions: u32) -> Moments {
+    let within = |x: f64, y: f64| edge.within_m([middle[0] + x * width, middle[1] + y * width]);
+    let [a, b, c, d] = [within(-0.5, -0.5), within(0.5, -0.5), within(-0.5, 0.5), within(0.5, 0.5)];
+    let corners = (a + b + c + d) / 4.0;
+    let bend = (center - corners).abs().max((a + d - b - c).abs() / 4.0);
+    if divisions > 0 && bend > STRAIGHT * width {
+        let mut whole = Moments { share: 0.0, moved: [0.0; 2] };
+        for [x, y] in [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]] {
+            let part = moments(edge, [middle[0] + x * width, middle[1] + y * width], width / 2.0, divisions - 1);
+            whole.share += part.share / 4.0;
+            for (k, from) in [x, y].into_iter().enumerate() {
+                whole.moved[k] += (part.moved[k] / 2.0 + from * part.share) / 4.0;
+            }
+        }
+        return whole;
+    }
+    let [along_x, along_y] = [(b + d - a - c) / 2.0, (c + d - a - b) / 2.0];
+    let share = cut_share((2.0 * center + corners) / 3.0, along_x, along_y);
+    // Of a straight cut the middle of the lit part moves away from it, by half of the dark part of the square.
+    let slope = (along_x * along_x + along_y * along_y).sqrt().max(f64::MIN_POSITIVE);
+    let inwards = share * (1.0 - share) / (2.0 * slope);
+    Moments { share, moved: [along_x * inwards, along_y * inwards] }
 }
 
 /// The share of a square where a linear function is above 0, by its value in the middle and its differences along the sides.
