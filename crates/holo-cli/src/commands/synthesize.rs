@@ -2,7 +2,7 @@
 //!
 //! Light is blended, not codes: the sRGB curve of integers is undone first and put back at the end.
 
-use holo_core::{DynImage, SampleKind, ViewDisparities, ViewIndex, ViewSynthesis, plane_sweep};
+use holo_core::{DynImage, GridSize, SampleKind, ViewDisparities, ViewIndex, ViewSynthesis, plane_sweep};
 use holo_io::{LightFieldReader, Limits};
 use ndarray::{Array2, Array4};
 
@@ -22,6 +22,7 @@ pub fn run(options: &SynthesizeOptions) -> Result<(), Failure> {
     let reader = files::open(&options.input.input, &options.input)?;
     files::say_source(&reader);
     let shape = reader.shape();
+    check_place(options.at, shape.views())?;
     let read = read_maps(&reader, options)?;
     let file = files::read_samples(reader)?;
     let is_8_bit = file.light_field.kind() == SampleKind::U8;
@@ -63,6 +64,20 @@ pub fn run(options: &SynthesizeOptions) -> Result<(), Failure> {
     files::write(&files::beside(&options.out, "_holes", "png"), holes.view().insert_axis(ndarray::Axis(2)))?;
     say!("{count} of {} pixels are in no view, and filled from farther surfaces", shape.lenses().count());
     Ok(())
+}
+
+/// Refuses a place (column, row) outside of the grid of views.
+fn check_place([s, t]: [f64; 2], views: GridSize) -> Result<(), Failure> {
+    let is_inside = |at: f64, count: usize| (0.0..=(count - 1) as f64).contains(&at);
+    if is_inside(s, views.columns) && is_inside(t, views.rows) {
+        return Ok(());
+    }
+    let (columns, rows) = (views.columns, views.rows);
+    Err(Failure::Usage(format!(
+        "--at {s},{t}: outside of the grid of {columns} x {rows} views; columns are 0 to {}, rows 0 to {}",
+        columns - 1,
+        rows - 1
+    )))
 }
 
 /// The disparities of files; `None` if they are to be estimated.

@@ -85,6 +85,9 @@ fn synthesized_views_are_those_that_are_rendered() {
     let refused = bench.run("synthesize some_vpi.png --views 3x2 --at 1,1 --disparity truth --out x.png");
     assert_eq!(refused.code, Some(2), "{refused:?}");
     assert!(refused.stderr.contains("--disparity estimate"), "{refused:?}");
+    let refused = bench.run("synthesize some_vpi.png --views 3x2 --at 2.5,0 --out x.png");
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+    assert!(refused.stderr.contains("3 x 2 views"), "{refused:?}");
 }
 
 fn encoded(linear: f32) -> u8 {
