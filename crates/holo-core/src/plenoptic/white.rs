@@ -228,12 +228,6 @@ impl Rule {
     }
 }
 
-/// The part of a pixel that light reaches: how much of it, and its middle.
-struct Lit {
-    share: f64,
-    place: [f64; 2],
-}
-
 /// The light through a microlens. Places on the sensor are from the axis, points of the microlens from its center.
 struct Light<'a> {
     camera: &'a PlenopticCamera,
@@ -283,8 +277,11 @@ impl<'a> Light<'a> {
         match edge {
             Edge::Sharp | Edge::Narrow | Edge::OfGlass if self.is_lit_whole(middle) => self.mean_cos4(middle),
             Edge::Sharp => {
-                let Lit { share, place } = self.lit_part(self.middle_of_light(middle), middle);
-                if share > 0.0 { share * self.mean_cos4(place) } else { 0.0 }
+                if let Some(edges) = &self.edges {
+                    return self.sharp_of_glass(edges, middle);
+                }
+                let share = self.covered_share(self.middle_of_light(middle), middle);
+                if share > 0.0 { share * self.mean_cos4(self.lit_place(middle, share)) } else { 0.0 }
             }
             Edge::Narrow => match &self.edges {
                 Some(edges) => self.narrow_of_glass(edges, middle),
@@ -344,15 +341,6 @@ impl<'a> Light<'a> {
     fn is_lit_whole(&self, middle: [f64; 2]) -> bool {
         let [x, y] = self.on_sensor(middle);
         x * x + y * y <= self.whole_squared
-    }
-
-    /// The part of a pixel that light through one point of the microlens reaches.
-    fn lit_part(&self, point: [f64; 2], middle: [f64; 2]) -> Lit {
-        if let Some(edges) = &self.edges {
-            return edges.lit_part(self, point, middle);
-        }
-        let share = self.covered_share(point, middle);
-        Lit { share, place: self.lit_place(middle, share) }
     }
 
     /// The middle of the lit part of a pixel that an edge crosses, which lies towards the center.

@@ -239,7 +239,7 @@ fn meets_surface([a, b, c, d]: [f64; 4], cell: Cell, line: &Line, [far_px, near_
     Some(back)
 }
 
-/// Where a line meets one of four pixels from the front, each of which has a disparity of its own.
+/// Where a line meets one of four pixels of several surfaces from the front: each pixel has the same disparity everywhere.
 fn meets_pixels(corners: [f64; 4], cell: Cell, line: &Line, [far_px, near_px]: [f64; 2]) -> Option<f64> {
     // Where it goes from a pixel to the next.
     let mut ends = [near_px, near_px, far_px];

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::super::Microlens;
 use super::super::prescription::{FieldTable, LightEdge};
-use super::{Light, Lit};
+use super::Light;
 
 /// A square within which the edge bends by more than this part of its width is divided: there one straight edge would be off by up
 /// to twice as much of the square.
@@ -36,13 +36,6 @@ impl LensEdges {
         }
     }
 
-    /// The part of a pixel that light reaches through a point of the microlens.
-    pub fn lit_part(&self, light: &Light<'_>, point: [f64; 2], middle: [f64; 2]) -> Lit {
-        let pixel = Pixel::new(light, middle);
-        let lit = pixel.lit(self.at(point), point);
-        Lit { share: lit.share, place: if lit.share > 0.0 { pixel.place(&lit) } else { middle } }
-    }
-
     /// The edge of the strip that a point of the microlens lies in.
     #[inline]
     fn at(&self, point: [f64; 2]) -> &LightEdge {
@@ -62,6 +55,13 @@ impl Light<'_> {
             if lit.share > 0.0 { lit.share * self.cos4(pixel.place(&lit), point) } else { 0.0 }
         };
         points.iter().map(light).sum::<f64>() / points.len() as f64
+    }
+
+    /// The light that a pixel gets from a microlens over which the edge does not move.
+    pub(super) fn sharp_of_glass(&self, edges: &LensEdges, middle: [f64; 2]) -> f64 {
+        let (pixel, point) = (Pixel::new(self, middle), self.middle_of_light(middle));
+        let lit = pixel.lit(edges.at(point), point);
+        if lit.share > 0.0 { lit.share * self.mean_cos4(pixel.place(&lit)) } else { 0.0 }
     }
 
     /// The light that a pixel gets from a microlens over which the edge hardly moves.
@@ -92,7 +92,7 @@ impl Pixel {
         Self { middle, width_m, square, alpha: light.lens.alpha, square_m: width_m * per_sensor }
     }
 
-    #[inline]
+    #[inline(always)]
     fn lit(&self, edge: &LightEdge, point: [f64; 2]) -> Moments {
         moments(edge, [0, 1].map(|k| self.square[k] - self.alpha * point[k]), self.square_m, DIVISIONS)
     }
@@ -121,7 +121,7 @@ struct Moments {
 ///
 /// Where the edge hardly bends it is straight: the mean one over the square, of the middle and the corners by the rule that is exact
 /// for quadratic functions. Squares in which it bends, such as those at the tips of the light far from the axis, are divided.
-#[inline]
+#[inline(always)]
 fn moments(edge: &LightEdge, middle: [f64; 2], width: f64, divisions: u32) -> Moments {
     let center = edge.within_m(middle);
     if center.abs() > edge.steepness * FRAC_1_SQRT_2 * width {
@@ -131,6 +131,7 @@ fn moments(edge: &LightEdge, middle: [f64; 2], width: f64, divisions: u32) -> Mo
 }
 
 /// The same of a square that an edge may cross, with its middle and how far within the light that is.
+#[inline(never)]
 fn of_cut_square(edge: &LightEdge, (middle, center): ([f64; 2], f64), width: f64, divisions: u32) -> Moments {
     let within = |x: f64, y: f64| edge.within_m([middle[0] + x * width, middle[1] + y * width]);
     let [a, b, c, d] = [within(-0.5, -0.5), within(0.5, -0.5), within(-0.5, 0.5), within(0.5, 0.5)];
