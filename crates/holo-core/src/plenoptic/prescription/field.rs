@@ -40,7 +40,16 @@ struct Node {
     field: Field,
     /// The distances of the edge of the light from the middle of the disc, for directions from 0 to pi.
     edge_m: Vec<f64>,
-    /// The most by which the way to the edge changes per meter at the edge: 1 of a circle around the middle.
+    shape: EdgeShape,
+}
+
+/// What bounds an edge around its middle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct EdgeShape {
+    /// Its least and its greatest distance from the middle, m.
+    least_m: f64,
+    most_m: f64,
+    /// The most by which the way to the edge changes per meter at the edge: 1 of a circle.
     steepness: f64,
 }
 
@@ -158,7 +167,11 @@ impl FieldTable {
             along,
             center_m: self.center_m(k, rest),
             edge_m: std::array::from_fn(|j| between(low.edge_m[j], high.edge_m[j])),
-            steepness: low.steepness.max(high.steepness),
+            shape: EdgeShape {
+                least_m: between(low.shape.least_m, high.shape.least_m),
+                most_m: between(low.shape.most_m, high.shape.most_m),
+                steepness: low.shape.steepness.max(high.shape.steepness),
+            },
         }
     }
 
@@ -189,16 +202,36 @@ pub(in crate::plenoptic) struct LightEdge {
     /// The middle of the light from the axis, along it, m.
     center_m: f64,
     edge_m: [f64; DIRECTIONS],
-    /// The most by which [`Self::within_m`] changes per meter at the edge: 1 of a circle around its middle.
-    pub steepness: f64,
+    shape: EdgeShape,
 }
 
 impl LightEdge {
     /// How far within the light a point of the plane lies, along the way from the middle to the edge, m; below 0 outside.
     #[inline]
     pub fn within_m(&self, [x, y]: [f64; 2]) -> f64 {
+        within(&self.edge_m, self.centered([x, y]))
+    }
+
+    /// Whether all of a disc around a point is lit, or dark; `None` if the edge may cross it.
+    #[inline]
+    pub fn is_lit(&self, point: [f64; 2], radius_m: f64) -> Option<bool> {
+        let [x, y] = self.centered(point);
+        let (squared, reach) = (x * x + y * y, self.shape.steepness * radius_m);
+        let (inner, outer) = (self.shape.least_m - reach, self.shape.most_m + reach);
+        if inner > 0.0 && squared < inner * inner {
+            return Some(true);
+        }
+        if squared > outer * outer {
+            return Some(false);
+        }
+        let within_m = within(&self.edge_m, [x, y]);
+        (within_m.abs() > reach).then_some(within_m > 0.0)
+    }
+
+    #[inline]
+    fn centered(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [cos, sin] = self.along;
-        within(&self.edge_m, [cos * x + sin * y - self.center_m, cos * y - sin * x])
+        [cos * x + sin * y - self.center_m, cos * y - sin * x]
     }
 }
 
@@ -296,7 +329,7 @@ impl Beam<'_> {
             .chain((1..=200).flat_map(|k| [-1.0, 1.0].map(|sign| sign * wide * f64::from(k) / 200.0)));
         let Some(from) = inside.into_iter().find(|&x| is_lit(x, 0.0)) else {
             let field = Field { exit_m: own_exit_m, center_m: 0.0, radius_m: 0.0, inner_m: -1.0 };
-            return Node { field, edge_m: vec![0.0; DIRECTIONS], steepness: 1.0 };
+            return Node { field, edge_m: vec![0.0; DIRECTIONS], shape: EdgeShape::of(&[]) };
         };
         let points: Vec<[f64; 2]> = edges(from)
             .into_iter()
@@ -324,17 +357,24 @@ impl Beam<'_> {
         let inner_m = if is_lit(0.0, 0.0) { nearest - MARGIN * radius_m } else { -1.0 };
         Node {
             field: Field { exit_m: own_exit_m, center_m, radius_m: farthest(center_m) + MARGIN * radius_m, inner_m },
-            steepness: steepness(&edge_m),
+            shape: EdgeShape::of(&edge_m),
             edge_m,
         }
     }
 }
 
-/// The most by which the way to an edge changes per meter at the edge.
-fn steepness(edge_m: &[f64]) -> f64 {
-    let steepest = edge_m.windows(2).zip(0..).map(|(ends, j)| {
-        let angle = unit(j + 1)[0].acos() - unit(j)[0].acos();
-        2.0 * (ends[1] - ends[0]).abs() / ((ends[0] + ends[1]) * angle)
-    });
-    steepest.filter(|slope| slope.is_finite()).fold(0.0, f64::max).hypot(1.0)
+impl EdgeShape {
+    /// That of an edge, or of no light.
+    fn of(edge_m: &[f64]) -> Self {
+        let steepest = edge_m.windows(2).zip(0..).map(|(ends, j)| {
+            let angle = unit(j + 1)[0].acos() - unit(j)[0].acos();
+            2.0 * (ends[1] - ends[0]).abs() / ((ends[0] + ends[1]) * angle)
+        });
+        let least_m = edge_m.iter().copied().fold(f64::INFINITY, f64::min);
+        Self {
+            least_m: if least_m.is_finite() { least_m } else { 0.0 },
+            most_m: edge_m.iter().copied().fold(0.0, f64::max),
+            steepness: steepest.filter(|slope| slope.is_finite()).fold(0.0, f64::max).hypot(1.0),
+        }
+    }
 }

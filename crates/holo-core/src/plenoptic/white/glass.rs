@@ -123,17 +123,17 @@ struct Moments {
 /// for quadratic functions. Squares in which it bends, such as those at the tips of the light far from the axis, are divided.
 #[inline(always)]
 fn moments(edge: &LightEdge, middle: [f64; 2], width: f64, divisions: u32) -> Moments {
-    let center = edge.within_m(middle);
-    if center.abs() > edge.steepness * FRAC_1_SQRT_2 * width {
-        return Moments { share: if center > 0.0 { 1.0 } else { 0.0 }, moved: [0.0; 2] };
+    match edge.is_lit(middle, FRAC_1_SQRT_2 * width) {
+        Some(is_lit) => Moments { share: f64::from(u8::from(is_lit)), moved: [0.0; 2] },
+        None => of_cut_square(edge, middle, width, divisions),
     }
-    of_cut_square(edge, (middle, center), width, divisions)
 }
 
-/// The same of a square that an edge may cross, with its middle and how far within the light that is.
+/// The same of a square that an edge may cross.
 #[inline(never)]
-fn of_cut_square(edge: &LightEdge, (middle, center): ([f64; 2], f64), width: f64, divisions: u32) -> Moments {
+fn of_cut_square(edge: &LightEdge, middle: [f64; 2], width: f64, divisions: u32) -> Moments {
     let within = |x: f64, y: f64| edge.within_m([middle[0] + x * width, middle[1] + y * width]);
+    let center = within(0.0, 0.0);
     let [a, b, c, d] = [within(-0.5, -0.5), within(0.5, -0.5), within(-0.5, 0.5), within(0.5, 0.5)];
     let corners = (a + b + c + d) / 4.0;
     let bend = (center - corners).abs().max((a + d - b - c).abs() / 4.0);
