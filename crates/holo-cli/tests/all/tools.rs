@@ -270,7 +270,7 @@ fn wrong_use_is_said() {
         ("refocus out --disparity 0 --aperture round --out x.png", "disc:D"),
         ("refocus out --stack 1,2 --out x.png", "A,B,N"),
         ("synthesize out --at 1 --out x.png", "S,T"),
-        ("synthesize out --at 1,-0.5 --out x.png", "view row"),
+        ("synthesize out --at 1,-0.5 --out x.png", "outside of the grid of 5 x 4 views"),
         ("synthesize out --at 1,1 --disparity none --out x.png", "truth, estimate, off"),
         ("refocus out --distance-m -1 --out x.png", "above 0"),
         ("refocus alone/scene_el.png --views 5x4 --distance-m 1 --out x.png", "camera parameters are unknown"),
