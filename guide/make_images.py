@@ -1,6 +1,8 @@
 """Makes the images of the guide: `python guide/make_images.py`, with the Python package installed. Nine minutes on two cores."""
 
 import pathlib
+import subprocess
+import sys
 import tempfile
 
 import holo
@@ -75,6 +77,28 @@ focus_m = 1.5
     holo.write_image(OUT / "glass.png", row(tiles, 360))
 
 
+def array():
+    """An array whose cameras deviate: one of them, all focused on the wall and along the ground, and a view between them."""
+    scene = holo.Scene.gallery("garden")
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        words = (
+            "array plane --count 9x9 --spacing-m 0.05 --radius-m 1.2 --target 0,0.2,0 --size 384x288 --fov-deg 45 --seed 1 "
+            "--jitter-position-m 0.01 --jitter-rotation-deg 1 --jitter-focal 0.02 --jitter-gain 0.15 --jitter-color 0.1 --out"
+        )
+        subprocess.run([sys.executable, "-m", "holo", *words.split(), folder / "array.json"], check=True)
+        holo.render_to(folder / "array", scene, transforms=folder / "array.json", spp=32, layers=["depth"], exposure=0.0)
+        cameras = holo.CameraArray(folder / "array")
+        pose = holo.Pose(eye=(0.02, 0.22, 1.2), target=(0.02, 0.22, 0.0))
+        images = [
+            holo.read_image(folder / "array/images/camera_0031.png"),
+            srgb(cameras.refocus(distance_m=1.95, pose=pose), 0.0),
+            srgb(cameras.refocus(distance_m=1.2, tilt_deg=(0, 75), pose=pose), 0.0),
+            srgb(cameras.synthesize(pose).image, 0.0),
+        ]
+    holo.write_image(OUT / "array.png", row(images, 288))
+
+
 def generated():
     with tempfile.TemporaryDirectory() as folder:
         options = dict(recipe="mixed", seed=3, views=[3], lenses=(160, 160), spp=48)
@@ -88,4 +112,5 @@ if __name__ == "__main__":
     field()
     noise()
     glass()
+    array()
     generated()

@@ -410,9 +410,12 @@ fn decoded_views_of_an_even_scene_are_even() {
     }
     let focused = part("raytrix-r12-a", size, [0.0; 2]);
     let white = focused.white_image().expect("memory");
-    let raw = Array3::zeros((300, 320, 3));
-    let error = focused.decode(raw.view(), white.view(), 3).expect_err("no views").to_string();
-    assert!(error.contains("focused camera"), "{error}");
+    let raw = Array3::from_shape_fn((300, 320, 3), |(row, column, c)| white[[row, column]] * (c as f32 + 1.0));
+    let decoded = focused.decode(raw.view(), white.view(), 3).expect("views");
+    for ((v, u, t, s, c), &value) in decoded.light_field.samples().indexed_iter() {
+        assert!((value - (c as f32 + 1.0)).abs() < 1e-4, "focused {v} {u} {t} {s}: {value}");
+        assert!(decoded.weight.samples()[[v, u, t, s, 0]] > 0.0);
+    }
 }
 
 /// Behind glass, chief rays have the truth of a plane where their light passes, and none where it does not.

@@ -44,8 +44,8 @@ pub use preview::PreviewOptions;
 pub use settings::{OfDataset, OfInfo, OfPreview, OfRender, Settings};
 pub use spec::open_camera;
 pub use tools::{
-    ApertureArgument, DepthOptions, DisparityArgument, EpiOptions, EvalOptions, InputOptions, NormalsArgument,
-    RefocusOptions, SynthesizeOptions,
+    DepthOptions, DisparityArgument, EpiOptions, EvalOptions, InputOptions, NormalsArgument, RefocusOptions,
+    SynthesizeOptions, ViewpointOptions,
 };
 pub use values::{Crop, Pair, Places, Seeds};
 

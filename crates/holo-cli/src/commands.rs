@@ -27,4 +27,5 @@ pub mod synthesize;
 pub mod verify;
 pub mod view;
 
+mod array_view;
 mod files;

@@ -1,12 +1,18 @@
-//! The rig of parallel pinhole cameras that models an ideal holoscopic camera. **May import:** layouts, Eq. 3.
+//! The rig of parallel pinhole cameras that models an ideal holoscopic camera, and a pinhole camera anywhere. **May import:** layouts, Eq. 3, random
+//! numbers of the sensor.
 
 mod baseline_ratio;
 mod builder;
 mod intrinsics;
+mod jitter;
+mod pinhole;
 mod rig;
 mod two_plane;
 
 pub use baseline_ratio::BaselineRatio;
 pub use builder::RigBuilder;
 pub use intrinsics::{Intrinsics, automatic_baseline_m};
+pub use jitter::{CameraDeviation, CameraJitter};
+pub use pinhole::Pinhole;
+pub(crate) use pinhole::Relative;
 pub use rig::{Rig, RigRay};

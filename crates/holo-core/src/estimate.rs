@@ -40,7 +40,9 @@ mod sweep;
 mod tests;
 mod views;
 
+pub(crate) use cost::WORST;
 pub use effort::Effort;
+pub(crate) use scanline::aggregate;
 
 use ndarray::{Array2, Data};
 

@@ -109,7 +109,9 @@ mod synthesize;
 /// The crate `ndarray` in the version of the public signatures.
 pub use ndarray;
 
-pub use camera::{BaselineRatio, Intrinsics, Rig, RigBuilder, RigRay, automatic_baseline_m};
+pub use camera::{
+    BaselineRatio, CameraDeviation, CameraJitter, Intrinsics, Pinhole, Rig, RigBuilder, RigRay, automatic_baseline_m,
+};
 pub use color::ColorEncoding;
 pub use disparity::{Disparity, Projection, StereoPair};
 pub use error::Error;
@@ -124,4 +126,4 @@ pub use light_field::{
 pub use millimeters::{meters_to_millimeters, millimeters_to_meters};
 pub use real::Real;
 pub use shown::{shown, shown_lines, shown_output, visible};
-pub use synthesize::{SynthesizedView, ViewDisparities, ViewSynthesis};
+pub use synthesize::{PosedView, SynthesizedImage, SynthesizedView, ViewDisparities, ViewSynthesis};

@@ -37,6 +37,7 @@ mod decode;
 mod demosaic;
 mod distortion;
 mod equivalent;
+mod focused;
 mod glass_lens;
 mod lattice;
 mod lune;

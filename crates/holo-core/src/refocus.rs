@@ -19,13 +19,18 @@
 
 mod aperture;
 mod every_pixel;
+mod focal_plane;
 mod kernel;
 mod shift_sum;
+mod synthetic_aperture;
 
-pub use aperture::Aperture;
+pub use aperture::{Aperture, ApertureShape};
+pub use focal_plane::FocalPlane;
 pub use kernel::Kernel;
+pub(crate) use kernel::add_sample;
+pub use synthetic_aperture::{FocalSurface, SyntheticAperture};
 
-use ndarray::{Array3, ArrayRef2, Data};
+use ndarray::{Array2, Array3, ArrayRef2, Data};
 
 use crate::{BaselineRatio, Error, GridSize, LightField, Real, Rig, Sample};
 
@@ -183,14 +188,51 @@ impl Refocus {
         S::Elem: Sample,
     {
         let distance_m = crate::error::positive_or_infinite("distance in meters", distance_m)?;
-        if *rig.shape() != light_field.shape() {
-            let (expected, found) =
-                (rig.shape().array_shape(light_field.channels()), light_field.samples().shape().to_vec());
-            return Err(Error::Shape { what: "light field", expected: expected.to_vec(), found });
-        }
+        check_rig(light_field, rig)?;
         let vertical_px = finite("disparity in pixels", rig.disparity_y().from_depth_m(distance_m))?;
         let horizontal_px = finite("disparity in pixels", rig.disparity_x().from_depth_m(distance_m))?;
         self.sum(light_field, vertical_px, horizontal_px)
+    }
+
+    /// Returns the image that is in focus on a plane before the middle of the rig, which may be tilted.
+    ///
+    /// # Accuracy
+    ///
+    /// As [`Refocus::at_disparity`]. Pixels of the reference view that do not look at the plane are NaN.
+    ///
+    /// # Errors
+    ///
+    /// As [`Refocus::at_distance_m`].
+    ///
+    /// # Source
+    ///
+    /// Isaksen et al., *Dynamically Reparameterized Light Fields*, 2000.
+    pub fn at_plane<S>(&self, light_field: &LightField<S>, rig: &Rig, plane: FocalPlane) -> Result<Array3<f32>, Error>
+    where
+        S: Data,
+        S::Elem: Sample,
+    {
+        if plane.is_straight() {
+            return self.at_distance_m(light_field, rig, plane.distance_m());
+        }
+        check_rig(light_field, rig)?;
+        let (lenses, views) = (light_field.shape().lenses(), light_field.shape().views());
+        // Rays are linear in the viewpoint: x in its column, y in its row.
+        let [down, along] = [(self.reference.0, views.rows), (self.reference.1, views.columns)]
+            .map(|(at, count)| if count > 1 { at / (count - 1) as f64 } else { 0.0 });
+        let at_reference = |first: [f64; 3], last: [f64; 3]| {
+            [first[0] + along * (last[0] - first[0]), first[1] + down * (last[1] - first[1])]
+        };
+        let disparity = rig.disparity_x();
+        let map = Array2::from_shape_fn((lenses.rows, lenses.columns), |(v, u)| {
+            let [first, last] =
+                [[0, 0], [views.rows - 1, views.columns - 1]].map(|[t, s]| rig.ray(v, u, t, s, 0.5, 0.5));
+            let origin_m = at_reference(first.origin_m, last.origin_m);
+            let inverse_depth = plane.inverse_depth(origin_m, at_reference(first.direction, last.direction));
+            if inverse_depth > 0.0 { disparity.from_depth_m(1.0 / inverse_depth) } else { f64::NAN }
+        });
+        let own = self.clone().baseline_ratio(rig.baseline_ratio());
+        own.all_in_focus(light_field, &map)
     }
 
     /// Returns an iterator over the images for a list of disparities. Each image is computed on demand.
@@ -263,6 +305,14 @@ impl Refocus {
         let expected = vec![views.rows, views.columns];
         Err(Error::Shape { what: "aperture", expected, found: vec![aperture.rows, aperture.columns] })
     }
+}
+
+fn check_rig<S: Data>(light_field: &LightField<S>, rig: &Rig) -> Result<(), Error> {
+    if *rig.shape() == light_field.shape() {
+        return Ok(());
+    }
+    let (expected, found) = (rig.shape().array_shape(light_field.channels()), light_field.samples().shape().to_vec());
+    Err(Error::Shape { what: "light field", expected: expected.to_vec(), found })
 }
 
 /// Returns the slope at which LFToolbox's `LFFiltShiftSum` focuses on a disparity: `-d (T-1)/T` for T views along the

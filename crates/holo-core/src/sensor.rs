@@ -29,6 +29,7 @@ mod random;
 pub(crate) use demosaic::weighted as weighted_demosaic;
 pub use demosaic::{Demosaic, demosaic};
 pub use presets::{SensorPreset, sensor_presets};
+pub(crate) use random::{Purpose, Stream};
 
 use crate::Error;
 use crate::error::{not_negative, positive};

@@ -6,9 +6,13 @@
 //! as many views show, it is the nearer one. What none of the four shows, views farther away may show. What no view shows is a
 //! hole, and the farthest surface around it fills it.
 //!
+//! Cameras that stand anywhere take part as views do: a ray of the new camera is a straight line in the image of each, also in
+//! (column, row, 1 / depth), so the same lines meet the same kind of surfaces.
+//!
 //! With the same disparity everywhere this is quadrilinear interpolation on a focal plane (Levoy and Hanrahan 1996, Isaksen
 //! et al. 2000); with maps, their depth-corrected interpolation (Gortler et al., *The Lumigraph*, 1996).
 
+mod cameras;
 mod fill;
 mod new_view;
 mod surface;
@@ -17,13 +21,25 @@ mod tests;
 
 use ndarray::{Array2, Array3, ArrayView2, ArrayView4, Data};
 
-use self::new_view::{NewView, Source};
+pub use self::cameras::PosedView;
+pub(crate) use self::fill::fill;
+use self::new_view::{NewView, Source, Steps};
 use self::surface::Maps;
 use crate::refocus::Kernel;
-use crate::{BaselineRatio, Error, LightField, Sample, ViewIndex};
+use crate::{BaselineRatio, Error, LightField, LightFieldShape, Sample, ViewIndex};
 
 /// How many rings of views around the viewpoint may show what the four next to it do not see.
 const RINGS: usize = 3;
+
+/// The disparities of a view, from those of the view `at`: (v, u), row by row.
+pub(crate) fn map_of_view(
+    shape: LightFieldShape,
+    map: ArrayView2<'_, f32>,
+    (at, view): (ViewIndex, ViewIndex),
+    ratio: BaselineRatio,
+) -> Result<Vec<f32>, Error> {
+    Ok(Maps::new(shape, ViewDisparities::OfView(map, at))?.surface(view, ratio)?.into_map())
+}
 
 /// Where the surfaces of a light field are.
 #[derive(Debug, Clone, Copy)]
@@ -44,6 +60,18 @@ pub struct SynthesizedView {
     /// Its disparity map, `(v, u)`, px between adjacent views.
     pub disparity_px: Array2<f32>,
     /// The pixels that no view shows, `(v, u)`: the farthest surface around them fills them. If no view shows any pixel, the image is 0.
+    pub holes: Array2<bool>,
+}
+
+/// A synthesized image of a camera anywhere.
+#[derive(Debug, Clone)]
+pub struct SynthesizedImage {
+    /// The image, `(row, column, channel)`.
+    pub image: Array3<f32>,
+    /// Its planar depth, `(row, column)`, m; +infinity where nothing is hit.
+    pub depth_m: Array2<f32>,
+    /// The pixels that no camera shows, `(row, column)`: the farthest surface around them fills them. If no camera shows any pixel,
+    /// the image is 0.
     pub holes: Array2<bool>,
 }
 
@@ -115,14 +143,24 @@ impl ViewSynthesis {
             if !view.has_holes() {
                 break;
             }
-            let sources = self.sources(&maps, (t, s), ring)?;
-            view.add(light_field, &sources, self.kernel, maps.range_px());
+            view.add(&self.sources(light_field, &maps, (t, s), ring)?, self.kernel);
         }
-        view.finished()
+        let made = view.finished();
+        Ok(SynthesizedView { image: made.image, disparity_px: made.disparity_px, holes: made.holes })
     }
 
     /// The views of a ring around a viewpoint: ring 0 are the up to four of the cell that it lies in.
-    fn sources(&self, maps: &Maps<'_>, (t, s): (f64, f64), ring: usize) -> Result<Vec<Source>, Error> {
+    fn sources<'a, S>(
+        &self,
+        light_field: &'a LightField<S>,
+        maps: &Maps<'_>,
+        (t, s): (f64, f64),
+        ring: usize,
+    ) -> Result<Vec<Source<'a, S::Elem, Steps>>, Error>
+    where
+        S: Data,
+        S::Elem: Sample,
+    {
         let first = |at: f64| at.floor() as isize;
         let last = |at: f64| at.ceil() as isize;
         let ring = ring as isize;
@@ -142,9 +180,10 @@ impl ViewSynthesis {
                 };
                 let view = ViewIndex { row: row as usize, column: column as usize };
                 sources.push(Source {
-                    view,
+                    image: light_field.view(view.row, view.column)?,
                     surface: maps.surface(view, self.ratio)?,
-                    steps: [-away[0] * self.ratio.vertical(), -away[1] * self.ratio.horizontal()],
+                    range_px: maps.range_px(),
+                    motion: Steps([-away[0] * self.ratio.vertical(), -away[1] * self.ratio.horizontal()]),
                     weight: weight as f32,
                 });
             }

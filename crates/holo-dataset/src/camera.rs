@@ -1,7 +1,9 @@
-//! The camera's side: decoding and developing raw images, calibration targets, optics in numbers, placements.
+//! The camera's side: decoding and developing raw images, calibration targets, optics in numbers, placements, and what arrays of
+//! cameras see together.
 //!
 //! **May import:** settings, output, resume, shot.
 
+mod array;
 mod benchmark;
 mod calibrate;
 mod decode;
@@ -13,12 +15,13 @@ mod quantity;
 mod score;
 mod target;
 
+pub use self::array::{ArrayViewpoint, synthesize_from_array, synthetic_aperture};
 pub use self::benchmark::{BenchmarkSize, CalibrationBenchmark};
 pub use self::calibrate::{Calibrated, KnownCamera};
 pub use self::decode::{DecodeJob, write_white_images};
 pub use self::develop::{DemosaicMethod, DevelopJob, DevelopOutput, Developed, write_demosaiced};
 pub use self::optics::{camera_optics, planned_rig, rig_optics};
-pub use self::placement::{Placement, Surface};
+pub use self::placement::{Placement, Surface, jittered};
 pub use self::quantity::{NamedQuantity, QuantityValue};
 pub use self::score::calibration_score;
 pub use self::target::{BoardPose, TargetJob, read_poses};

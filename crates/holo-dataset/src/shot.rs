@@ -34,4 +34,5 @@ pub(crate) use self::prepare::{half_view, pose_of_scene, shifted};
 pub use self::report::{CameraReport, RenderReport, Seconds};
 pub(crate) use self::runner::Runner;
 pub use self::source::{Drawing, SceneSource};
+pub(crate) use self::viewpoint::looking;
 pub use self::warning::{RenderWarning, camera_warnings};

@@ -102,6 +102,8 @@
 
 #[cfg(feature = "png")]
 mod animation;
+#[cfg(feature = "png")]
+mod array_folder;
 mod atomic;
 #[cfg(feature = "camera")]
 mod camera_file;
@@ -162,6 +164,8 @@ mod zlib;
 
 #[cfg(feature = "png")]
 pub use animation::write_animation;
+#[cfg(feature = "png")]
+pub use array_folder::ArrayFolder;
 pub use atomic::{AtomicFile, TemporaryFilesRemoved, remove_stale_temporary_files, remove_temporary_files, write_file};
 #[cfg(feature = "camera")]
 pub use camera_file::{CameraFile, SensorNoise, read_prescription};

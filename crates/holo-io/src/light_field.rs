@@ -75,7 +75,7 @@ pub use reader::{LightFieldFile, LightFieldFormat, LightFieldReader};
 ///
 /// [`Error::MissingOption`] if neither the files nor the options specify the number of views or the layout, or if files
 /// and options contradict each other; [`Error::NoLightField`] if the path leads to something else, such as the raw image
-/// of a focused plenoptic camera, which has no views;
+/// of a plenoptic camera that no light reaches;
 /// [`Error::Unsupported`] if the format needs a feature that is off; otherwise those of the readers of the formats,
 /// such as [`Error::Io`], [`Error::Broken`] and [`Error::TooLarge`].
 ///

@@ -2,7 +2,8 @@
 //!
 //! A file has a list `frames`, each with `file_path` and `transform_matrix` (camera to world; a camera looks along its -Z
 //! with +Y up), and intrinsics in pixels, for all frames or in each: `fl_x`, `fl_y`, `cx`, `cy`, `w`, `h`, or the angle of
-//! view `camera_angle_x`. Blender and these programs have a world with Z up, glTF one with Y up; [`WorldUp`] says which the
+//! view `camera_angle_x`. Arrays of real cameras differ in their response and in time: `gain` and `time_s`, which are keys of this
+//! project, say by how much. Blender and these programs have a world with Z up, glTF one with Y up; [`WorldUp`] says which the
 //! file has. In memory poses are always in the world of glTF.
 //!
 //! # Source
@@ -52,6 +53,24 @@ pub struct ArrayCamera {
     pub focal_px: f64,
     /// Rows and columns of the image; `None` where the file does not say.
     pub size: Option<GridSize>,
+    /// What the light of the scene is multiplied by in its image, red, green and blue: key `gain`; 1 where the file does not say.
+    pub gain: [f64; 3],
+    /// How much later than the others it sees a moving scene, s: key `time_s`; 0 where the file does not say.
+    pub time_s: f64,
+}
+
+/// A camera at the origin of the world, 1 px of focal length, without a size.
+impl Default for ArrayCamera {
+    fn default() -> Self {
+        Self {
+            name: "camera_0000".into(),
+            axes_and_position: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]],
+            focal_px: 1.0,
+            size: None,
+            gain: [1.0; 3],
+            time_s: 0.0,
+        }
+    }
 }
 
 /// The axis of a file's world that points up.
@@ -101,6 +120,24 @@ impl CameraArray {
     /// Those of [`CameraArray::read`] and [`Folder::open_regular`].
     pub fn read_in(folder: &Folder, name: &str, up: WorldUp, size: Option<GridSize>) -> Result<Self, Error> {
         Self::from_json(&folder.read(name, MAX_BYTES)?, &folder.path_of(name), up, size)
+    }
+
+    /// Reads a file of an open folder, and the name of the image of each camera, in the folder.
+    #[cfg(feature = "png")]
+    pub(crate) fn read_with_files(
+        folder: &Folder,
+        name: &str,
+        up: WorldUp,
+    ) -> Result<(Self, Vec<Option<String>>), Error> {
+        let (bytes, path) = (folder.read(name, MAX_BYTES)?, folder.path_of(name));
+        let array = Self::from_json(&bytes, &path, up, None)?;
+        let root: Value =
+            serde_json::from_slice(&bytes).map_err(|why| Error::broken(&path, "transforms", why.to_string()))?;
+        let file = |frame: &Value| {
+            let name = frame.get("file_path")?.as_str()?.replace('\\', "/");
+            Some(name.strip_prefix("./").map_or(name.clone(), str::to_owned))
+        };
+        Ok((array, root["frames"].as_array().into_iter().flatten().map(file).collect()))
     }
 
     fn from_json(bytes: &[u8], path: &Path, up: WorldUp, size: Option<GridSize>) -> Result<Self, Error> {
@@ -163,13 +200,20 @@ impl CameraArray {
             let mut rows: Vec<Vec<f64>> =
                 (0..3).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
             rows.push(vec![0.0, 0.0, 0.0, 1.0]);
-            Ok(json!({
+            let mut frame = json!({
                 "file_path": of(&camera.name),
                 "fl_x": camera.focal_px, "fl_y": camera.focal_px,
                 "cx": size.columns as f64 / 2.0, "cy": size.rows as f64 / 2.0,
                 "w": size.columns, "h": size.rows,
                 "transform_matrix": rows,
-            }))
+            });
+            if camera.gain != [1.0; 3] {
+                frame["gain"] = json!(camera.gain);
+            }
+            if camera.time_s != 0.0 {
+                frame["time_s"] = json!(camera.time_s);
+            }
+            Ok(frame)
         };
         let frames: Vec<Value> = self.cameras.iter().map(frame).collect::<Result<_, _>>()?;
         let root = json!({ "camera_model": "PINHOLE", "frames": frames });
@@ -202,7 +246,19 @@ impl Entry<'_> {
         let size = self.size()?.or(size);
         let focal_px = self.focal_px(size)?;
         self.check_lens(size)?;
-        Ok(ArrayCamera { name: self.name(k)?, axes_and_position: self.pose(up)?, focal_px, size })
+        let (gain, time_s) = (self.gain()?, self.number("time_s")?.unwrap_or(0.0));
+        Ok(ArrayCamera { name: self.name(k)?, axes_and_position: self.pose(up)?, focal_px, size, gain, time_s })
+    }
+
+    fn gain(&self) -> Result<[f64; 3], Error> {
+        let Some(value) = self.own.get("gain").or_else(|| self.root.get("gain")) else { return Ok([1.0; 3]) };
+        let channels: Option<Vec<f64>> = match value.as_array() {
+            Some(channels) => channels.iter().map(Value::as_f64).collect(),
+            None => value.as_f64().map(|gain| vec![gain; 3]),
+        };
+        let channels = channels.filter(|all| all.iter().all(|gain| *gain > 0.0 && gain.is_finite()));
+        let gain = channels.and_then(|all| <[f64; 3]>::try_from(all).ok());
+        gain.ok_or_else(|| self.broken("`gain` is no number above 0, nor three of them"))
     }
 
     fn size(&self) -> Result<Option<GridSize>, Error> {
@@ -353,6 +409,8 @@ mod tests {
             ],
             focal_px: 1_234.567_890_123,
             size: Some(GridSize::new(30, 40 + k)),
+            gain: [[1.0; 3], [0.9, 1.0, 1.0 / 3.0]][k % 2],
+            time_s: 0.1 * k as f64,
         };
         let array = CameraArray { cameras: (0..3).map(camera).collect() };
         for up in [WorldUp::Z, WorldUp::Y] {
@@ -372,7 +430,7 @@ mod tests {
             read(&file, None).expect_err("broken").to_string()
         };
         type Change<'a> = &'a dyn Fn(&mut Value);
-        let cases: [(Change, &str); 15] = [
+        let cases: [(Change, &str); 18] = [
             (&|f| f["frames"] = json!([]), "empty"),
             (&|f| f["frames"] = json!(3), "frames"),
             (&|f| f["frames"][0]["transform_matrix"] = json!([1, 2]), "transform_matrix"),
@@ -382,6 +440,9 @@ mod tests {
             (&|f| f["fl_y"] = json!(90), "square"),
             (&|f| f["cx"] = json!(12), "`cx` is 12"),
             (&|f| f["k1"] = json!(0.1), "distortion"),
+            (&|f| f["gain"] = json!([1, 2]), "`gain`"),
+            (&|f| f["frames"][0]["gain"] = json!(0), "`gain`"),
+            (&|f| f["frames"][0]["time_s"] = json!("late"), "`time_s`"),
             (&|f| f["camera_model"] = json!("OPENCV_FISHEYE"), "no pinhole"),
             (&|f| f["is_fisheye"] = json!(true), "no pinhole"),
             (&|f| f["w"] = json!(1.5), "size"),

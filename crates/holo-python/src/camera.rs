@@ -126,11 +126,14 @@ impl PlenopticCamera {
         Ok(dict)
     }
 
-    /// The rig that the views of an unfocused camera are equivalent to, with `views` an axis.
+    /// The rig that the views are equivalent to, with `views` an axis.
     #[pyo3(signature = (views=None))]
     fn equivalent_rig(&self, views: Option<usize>) -> Result<Rig, Failure> {
         let camera = &self.0.camera;
         let views = views.map_or_else(|| camera.decodable_views(), Ok)?;
+        if camera.has_rendered_views() {
+            return Ok(Rig(camera.decoded_rig(views)?));
+        }
         let pitch_m = camera.array().pitch_m;
         let pixels = camera.sensor().size;
         let across = |count: usize| (count as f64 / camera.micro_image_pitch_px()).floor().max(1.0) as usize;
@@ -159,13 +162,21 @@ impl PlenopticCamera {
         raw: PyReadonlyArray3<'py, f32>,
         white: Option<PyReadonlyArray2<'py, f32>>,
         views: Option<usize>,
+        depth_m: Option<PyReadonlyArray2<'py, f32>>,
     ) -> Result<(Bound<'py, PyAny>, Bound<'py, PyAny>, Rig, f64), Failure> {
         let camera = &self.0.camera;
         let views = views.map_or_else(|| camera.decodable_views(), Ok)?;
         let (raw, white) = (raw.as_array(), white.as_ref().map(|white| white.as_array()));
-        let decoded = py.detach(|| match white {
-            Some(white) => camera.decode(raw, white, views),
-            None => camera.decode(raw, camera.white_image()?.view(), views),
+        let depth_m = depth_m.as_ref().map(|depth| depth.as_array());
+        let decoded = py.detach(|| {
+            let own = if white.is_none() { Some(camera.white_image()?) } else { None };
+            let Some(white) = white.or_else(|| own.as_ref().map(|own| own.view())) else {
+                return Err(holo_core::Error::ZeroCount { what: "white images" });
+            };
+            match depth_m {
+                Some(depth_m) => camera.decode_along(raw, white, views, depth_m),
+                None => camera.decode(raw, white, views),
+            }
         })?;
         let (field, weight) = (decoded.light_field.into_samples(), decoded.weight.into_samples());
         Ok((give(py, field), give(py, weight), Rig(decoded.rig), decoded.roll_rad))

@@ -1,9 +1,9 @@
 //! What is computed from light fields and images: grids, color, refocusing, disparity.
 
-use holo_core::refocus::{Aperture, Kernel, Refocus};
+use holo_core::refocus::{Aperture, ApertureShape, FocalPlane, Kernel, Refocus};
 use holo_core::{
-    BaselineRatio, ColorEncoding, DynLightField, GridSize, Layout, LightField, LightFieldRef, PlaneSweepOptions,
-    Sample, ViewDisparities, ViewIndex, ViewSynthesis, for_each_sample,
+    BaselineRatio, ColorEncoding, DynLightField, Layout, LightField, LightFieldRef, PlaneSweepOptions, Sample,
+    ViewDisparities, ViewIndex, ViewSynthesis, for_each_sample,
 };
 use holo_io::Compression;
 use ndarray::Array3;
@@ -14,6 +14,7 @@ use pyo3::types::PyBytes;
 use crate::arrays::{Field, Image, give, give_field};
 use crate::failure::Failure;
 use crate::options;
+use crate::rig::Rig;
 
 /// A grid of elemental images ("el") or of views ("vpi"), axes (row, column, channel).
 #[pyfunction]
@@ -71,7 +72,7 @@ pub fn encode<'py>(
 }
 
 /// The kernels between pixels, and their names.
-const KERNELS: [(&str, Kernel); 2] = [("cubic", Kernel::CatmullRom), ("bilinear", Kernel::Bilinear)];
+pub const KERNELS: [(&str, Kernel); 2] = [("cubic", Kernel::CatmullRom), ("bilinear", Kernel::Bilinear)];
 
 /// Where a light field is in focus.
 #[derive(FromPyObject)]
@@ -80,7 +81,9 @@ pub struct FocusRequest<'py> {
     disparity_px: Option<f64>,
     slope: Option<f64>,
     map: Option<PyReadonlyArray2<'py, f32>>,
-    aperture: (String, f64),
+    /// Distance in m, tilts to the right and up in radians, and the rig.
+    plane: Option<(f64, f64, f64, Rig)>,
+    aperture: String,
     kernel: String,
     baseline_ratio: f64,
 }
@@ -94,10 +97,15 @@ pub fn refocus<'py>(
 ) -> Result<Bound<'py, PyAny>, Failure> {
     let field = LightField::new(field.as_array())?;
     let views = field.shape().views();
-    let refocus = Refocus::with_aperture(aperture(&request.aperture, views)?)
+    let center = ((views.rows / 2) as f64, (views.columns / 2) as f64);
+    let refocus = Refocus::with_aperture(Aperture::shaped(views, center, aperture(&request.aperture)?)?)
         .kernel(options::choice("kernel", &request.kernel, &KERNELS)?)
         .baseline_ratio(BaselineRatio::vertical_over_horizontal(request.baseline_ratio)?);
     let map = request.map.as_ref().map(|map| map.as_array());
+    if let Some((distance_m, right, up, Rig(rig))) = request.plane {
+        let plane = FocalPlane::new(distance_m).and_then(|plane| plane.tilted(right, up))?;
+        return Ok(give(py, py.detach(|| refocus.at_plane(&field, &rig, plane))?));
+    }
     let image: Array3<f32> = py.detach(|| match (request.disparity_px, request.slope, map) {
         (Some(disparity_px), _, _) => refocus.at_disparity(&field, disparity_px),
         (None, Some(slope), _) => refocus.at_slope(&field, slope),
@@ -107,15 +115,9 @@ pub fn refocus<'py>(
     Ok(give(py, image))
 }
 
-fn aperture((shape, extent): &(String, f64), views: GridSize) -> Result<Aperture, Failure> {
-    let center = ((views.rows / 2) as f64, (views.columns / 2) as f64);
-    match shape.as_str() {
-        "all" => Ok(Aperture::all(views)?),
-        "disc" => Ok(Aperture::disc(views, center, *extent)?),
-        "square" => Ok(Aperture::square(views, center, *extent)?),
-        "gaussian" => Ok(Aperture::gaussian(views, center, *extent)?),
-        other => Err(Failure::Usage(format!("aperture='{other}': give all, disc:D, square:D or gaussian:D"))),
-    }
+/// `all`, or a shape with its size.
+pub fn aperture(text: &str) -> Result<ApertureShape, Failure> {
+    text.parse().map_err(|why| Failure::Usage(format!("aperture={text:?}: {why}")))
 }
 
 /// The disparities that a view is synthesized with: of one plane, of the central view, or of all views.

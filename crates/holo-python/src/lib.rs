@@ -6,6 +6,7 @@
 //! While Rust works, other Python threads run. Renders run on a thread of their own, so that Ctrl-C stops them.
 #![forbid(unsafe_code)]
 
+mod array;
 mod arrays;
 mod benchmark;
 mod camera;
@@ -36,6 +37,7 @@ fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<rig::Rig>()?;
     module.add_class::<camera::PlenopticCamera>()?;
     module.add_class::<files::Reader>()?;
+    module.add_class::<array::CameraFolder>()?;
     let functions = [
         wrap_pyfunction!(main, module)?,
         wrap_pyfunction!(scene::gallery_names, module)?,

@@ -1,5 +1,6 @@
 """Light fields: axes, memory, files, what is computed from them."""
 
+import json
 import pickle
 
 import holo
@@ -98,6 +99,8 @@ def test_what_is_wrong_is_said(tmp_path, rendering):
         rendering.light_field.refocus()
     with pytest.raises(holo.UsageError, match="aperture"):
         rendering.light_field.refocus(0.0, aperture="disc:x")
+    with pytest.raises(holo.UsageError, match="distance_m"):
+        rendering.light_field.refocus(0.0, tilt_deg=(1, 0))
     with pytest.raises(holo.UsageError, match="give draft, fast"):
         rendering.light_field.disparity(effort="quick")
 
@@ -110,6 +113,9 @@ def test_refocus_estimate_evaluate(rendering):
     at = field.refocus(distance_m=field.rig.focus_distance_m)
     assert np.array_equal(at, field.refocus(0.0)), "disparity is 0 at the focus distance"
     assert field.refocus(rendering.disparity).shape == (48, 72, 3)
+    straight = field.refocus(distance_m=1.0, tilt_deg=(1e-9, 0))
+    assert np.allclose(straight, field.refocus(distance_m=1.0), atol=1e-4)
+    assert not np.allclose(straight, field.refocus(distance_m=1.0, tilt_deg=(40, 0)), atol=1e-2)
     truth = rendering.disparity
     estimate, confidence = field.disparity(confidence=True)
     assert estimate.shape == confidence.shape == truth.shape
@@ -256,3 +262,47 @@ def test_placed_camera(garden):
     assert near.depth.shape == (12, 18) and not np.array_equal(near.depth, far.depth)
     with pytest.raises(holo.UsageError, match="direction up"):
         holo.render(garden, eye=(0.0, 2.0, 0.0), target=(0.0, 0.0, 0.0), **options)
+
+
+def test_cameras_anywhere(tmp_path):
+    """What numpy makes of the images of an array is what `CameraArray` makes of them."""
+    eyes = [(0.1 * (k % 3 - 1), 0.1 * (k // 3 - 1), 1.5 + 0.02 * k) for k in range(9)]
+    frames = [
+        {"file_path": f"images/{k}.png", "gain": [1.0, 0.8 + 0.05 * k, 1.1],
+         "transform_matrix": [[1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z], [0, 0, 0, 1]]}
+        for k, (x, y, z) in enumerate(eyes)
+    ]  # fmt: skip
+    poses = tmp_path / "poses.json"
+    poses.write_text(json.dumps({"fl_x": 80.0, "w": 60, "h": 40, "frames": frames}))
+    out = tmp_path / "array"
+    holo.render_to(out, holo.Scene.gallery("garden"), transforms=poses, transforms_up="y", spp=8, layers=["depth"], exposure="-1")
+    array = holo.CameraArray(out, transforms_up="y")
+    assert len(array) == 9 and array.names[3] == "3" and array.camera(3).size == (40, 60)
+    assert np.allclose(array.camera(3).position_m, eyes[3]) and np.allclose(array.camera(3).axes, np.eye(3))
+    # Gains are undone: where nothing is clipped, cameras agree on the colors of what they see.
+    means = np.array([array.image(k).mean(axis=(0, 1)) for k in range(9)])
+    assert np.allclose(means / means.mean(axis=0), 1.0, atol=0.12)
+    # The plane of focus through the nearest pixels, without interpolation between them.
+    distance, view = 1.4, array.view()
+    rows, columns = np.mgrid[0:40, 0:60]
+    x, y = (columns - 29.5) / 80.0 * distance, (19.5 - rows) / 80.0 * distance
+    point = view.position_m + np.stack([x, y, np.full_like(x, -distance)], axis=-1)
+    total, count = np.zeros((40, 60, 3)), np.zeros((40, 60, 1))
+    for k in range(9):
+        seen = point - array.camera(k).position_m
+        column = np.rint(29.5 - 80.0 * seen[..., 0] / seen[..., 2]).astype(int)
+        row = np.rint(19.5 + 80.0 * seen[..., 1] / seen[..., 2]).astype(int)
+        inside = (column >= 0) & (column < 60) & (row >= 0) & (row < 40)
+        total[inside] += array.image(k)[row[inside], column[inside]]
+        count[inside] += 1
+    ours = array.refocus(distance_m=distance, kernel="bilinear")
+    assert ours.dtype == np.float32 and np.nanmean(np.abs(ours - total / count)) < 0.02
+    assert np.allclose(array.refocus(depth=np.full((40, 60), distance)), array.refocus(distance_m=distance), atol=1e-5)
+    between = array.synthesize(holo.Pose(eye=(0.05, 0.05, 1.55)))
+    assert between.image.shape == (40, 60, 3) and between.depth.shape == between.holes.shape == (40, 60)
+    own = array.synthesize(holo.Pose(eye=eyes[4]))
+    assert np.allclose(own.image, array.image(4), atol=1e-5)
+    with pytest.raises(holo.UsageError, match="one of distance_m"):
+        array.refocus()
+    with pytest.raises(holo.Error, match="transforms.json"):
+        holo.CameraArray(tmp_path / "nothing")

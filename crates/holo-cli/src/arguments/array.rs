@@ -5,11 +5,14 @@ use std::str::FromStr;
 
 use clap::Args;
 use holo_core::GridSize;
-use holo_dataset::settings::{positive as parse_positive, range as parse_range};
+use holo_dataset::settings::{not_negative, positive as parse_positive, range as parse_range};
 use holo_io::WorldUp;
 
 use super::choices::{SURFACES, WORLD_UPS, choice};
 use super::values;
+
+/// The heading of deviations in the help.
+const JITTER: &str = "Deviations, as those of real arrays";
 
 /// What cameras stand on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +51,27 @@ pub struct ArrayOptions {
     /// Horizontal angle of view, degrees.
     #[arg(long = "fov-deg", alias = "angle-deg", value_name = "A", default_value_t = 40.0, value_parser = parse_positive)]
     pub angle_deg: f64,
+    /// How far positions deviate from what is meant, m: a standard deviation along each axis.
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = not_negative, help_heading = JITTER)]
+    pub jitter_position_m: f64,
+    /// How far cameras are turned, degrees about each axis.
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = not_negative, help_heading = JITTER)]
+    pub jitter_rotation_deg: f64,
+    /// Deviation of focal lengths, relative, such as 0.01: cameras are focused differently.
+    #[arg(long, value_name = "PART", default_value_t = 0.0, value_parser = not_negative, help_heading = JITTER)]
+    pub jitter_focal: f64,
+    /// Deviation of the gain, relative.
+    #[arg(long, value_name = "PART", default_value_t = 0.0, value_parser = not_negative, help_heading = JITTER)]
+    pub jitter_gain: f64,
+    /// Deviation of the gain of each color besides, relative.
+    #[arg(long, value_name = "PART", default_value_t = 0.0, value_parser = not_negative, help_heading = JITTER)]
+    pub jitter_color: f64,
+    /// Cameras see a moving scene up to so many seconds later, evenly distributed.
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative, help_heading = JITTER)]
+    pub jitter_time_s: f64,
+    /// Seed of the deviations; the file has them.
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = JITTER)]
+    pub seed: u64,
     /// The axis that points up in the world of the file: z for Blender and nerfstudio, y as in glTF.
     #[arg(long, value_name = "z|y", default_value = "z", value_parser = choice(WORLD_UPS))]
     pub transforms_up: WorldUp,

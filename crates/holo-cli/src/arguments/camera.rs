@@ -136,7 +136,10 @@ pub struct DecodeOptions {
     /// Plenoptic camera: a camera file (TOML), or a preset of `holo camera` [default: camera.toml beside the raw image].
     #[arg(long, value_name = "FILE|PRESET")]
     pub camera_file: Option<String>,
-    /// Views along each axis [default: those whose pixels are fully lit].
+    /// Of a focused camera: the depth of the pixels of the raw image, such as raw_depth.pfm [default: an estimate].
+    #[arg(long, value_name = "FILE.pfm")]
+    pub depth: Option<PathBuf>,
+    /// Views along each axis [default: those whose pixels are fully lit; of a focused camera 5].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub views: Option<u32>,
     /// The scene that was rendered: adds depth and disparity of the central view.

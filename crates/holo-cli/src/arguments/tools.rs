@@ -4,12 +4,13 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{ArgGroup, Args};
-use holo_core::refocus::Kernel;
+use holo_core::refocus::{ApertureShape, Kernel};
 use holo_core::{Effort, GridSize, Layout, ViewOrder};
 
 use holo_dataset::settings::{positive as parse_positive, range as parse_range};
+use holo_io::WorldUp;
 
-use super::choices::{EFFORTS, KERNELS, LAYOUTS, NORMALS, ORDERS, choice};
+use super::choices::{EFFORTS, KERNELS, LAYOUTS, NORMALS, ORDERS, WORLD_UPS, choice};
 use super::{Pair, values};
 
 /// A light field, and what its files do not tell.
@@ -29,6 +30,24 @@ pub struct InputOptions {
     pub order: ViewOrder,
 }
 
+/// Where a view of an array of cameras stands.
+#[derive(Args, Clone, Debug)]
+pub struct ViewpointOptions {
+    /// Where the view stands, m, in the world of the scene (+Y up) [default: the camera nearest to the middle of all]. For a folder of
+    /// `holo render --transforms`, as the next three.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub eye: Option<[f64; 3]>,
+    /// What it looks at, m [default: as the camera nearest to it].
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub target: Option<[f64; 3]>,
+    /// What is up in its image.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub up: Option<[f64; 3]>,
+    /// The axis that points up in the world of transforms.json: z for Blender and nerfstudio, y as in glTF.
+    #[arg(long, value_name = "z|y", default_value = "z", value_parser = choice(WORLD_UPS))]
+    pub transforms_up: WorldUp,
+}
+
 #[derive(Args, Debug)]
 #[command(group(ArgGroup::new("focus").required(true).args(["disparity", "distance_m", "slope", "all_in_focus", "stack"])))]
 pub struct RefocusOptions {
@@ -40,18 +59,23 @@ pub struct RefocusOptions {
     /// Focus at this distance, m, or `inf`; needs the camera parameters.
     #[arg(long, value_name = "Z", allow_negative_numbers = true, value_parser = values::distance)]
     pub distance_m: Option<f64>,
+    /// Tilt the plane of --distance-m: its right side moves away by R degrees, its upper side by U.
+    #[arg(long, value_name = "R,U", allow_hyphen_values = true, value_parser = values::tilt)]
+    pub tilt_deg: Option<[f64; 2]>,
     /// Focus at a slope of MATLAB's Light Field Toolbox.
     #[arg(long, value_name = "SLOPE", allow_negative_numbers = true, value_parser = values::finite)]
     pub slope: Option<f64>,
-    /// Sharp everywhere: all-in-focus by a disparity map of the central view.
+    /// Sharp everywhere: all-in-focus by a disparity map of the central view; of an array of cameras by the depth of the view, m.
     #[arg(long, value_name = "MAP.pfm")]
     pub all_in_focus: Option<PathBuf>,
     /// Focal stack: N images focused from disparity A to B; FILE gets a number.
     #[arg(long, value_name = "A,B,N", allow_hyphen_values = true, value_parser = values::stack)]
     pub stack: Option<(f64, f64, usize)>,
-    /// Synthetic aperture, which views are added up: all, disc:D, square:D or gaussian:D, D in views.
-    #[arg(long, value_name = "SHAPE", default_value = "all", value_parser = values::aperture)]
-    pub aperture: ApertureArgument,
+    /// Synthetic aperture, which views are added up: all, disc:D, square:D or gaussian:D, D in views; of an array of cameras in m.
+    #[arg(long, value_name = "SHAPE", default_value = "all", value_parser = ApertureShape::from_str)]
+    pub aperture: ApertureShape,
+    #[command(flatten)]
+    pub viewpoint: ViewpointOptions,
     /// Interpolation between the pixels of a view.
     #[arg(long, value_parser = choice(KERNELS), default_value = "cubic")]
     pub kernel: Kernel,
@@ -60,22 +84,15 @@ pub struct RefocusOptions {
     pub out: PathBuf,
 }
 
-/// `--aperture`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ApertureArgument {
-    All,
-    Disc(f64),
-    Square(f64),
-    Gaussian(f64),
-}
-
 #[derive(Args, Debug)]
 pub struct SynthesizeOptions {
     #[command(flatten)]
     pub input: InputOptions,
-    /// Where the view is: the column and row among the views, from 0, which may be fractions.
-    #[arg(long, value_name = "S,T", allow_hyphen_values = true, value_parser = values::viewpoint)]
-    pub at: [f64; 2],
+    /// Where the view is: the column and row among the views, from 0, which may be fractions; of an array of cameras give --eye.
+    #[arg(long, value_name = "S,T", allow_hyphen_values = true, required_unless_present_any = ["eye", "target"], conflicts_with_all = ["eye", "target", "up"], value_parser = values::viewpoint)]
+    pub at: Option<[f64; 2]>,
+    #[command(flatten)]
+    pub viewpoint: ViewpointOptions,
     /// Where the surfaces are: `truth` that was rendered, of all views or of the central one; an `estimate` of the central view;
     /// a map of it in a file; or `off`: views are blended as they are [default: truth where the input has it, else estimate].
     #[arg(long, value_name = "truth|estimate|off|FILE.pfm")]

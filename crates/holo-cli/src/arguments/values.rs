@@ -6,8 +6,6 @@ use std::str::FromStr;
 use holo_core::GridSize;
 use holo_dataset::settings::positive;
 
-use super::tools::ApertureArgument;
-
 /// Column and row, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pair {
@@ -165,16 +163,11 @@ pub fn viewpoint(text: &str) -> Result<[f64; 2], String> {
     parts.map(|(s, t)| [s, t]).ok_or_else(|| "write S,T, such as 1.5,1: a column and a row of views from 0".into())
 }
 
-/// `all`, or a shape with its size in views.
-pub fn aperture(text: &str) -> Result<ApertureArgument, String> {
-    let sized = text.split_once(':').and_then(|(shape, size)| Some((shape, positive(size).ok()?)));
-    match (text, sized) {
-        ("all", _) => Ok(ApertureArgument::All),
-        (_, Some(("disc", size))) => Ok(ApertureArgument::Disc(size)),
-        (_, Some(("square", size))) => Ok(ApertureArgument::Square(size)),
-        (_, Some(("gaussian", size))) => Ok(ApertureArgument::Gaussian(size)),
-        _ => Err("write all, disc:D, square:D or gaussian:D, such as disc:9, D in views".into()),
-    }
+/// `R,U`: angles to the right and up, degrees.
+pub fn tilt(text: &str) -> Result<[f64; 2], String> {
+    let angle = |text: &str| finite(text).ok().filter(|angle| angle.abs() < 90.0);
+    let parts = text.split_once(',').and_then(|(right, up)| angle(right).zip(angle(up)));
+    parts.map(|(right, up)| [right, up]).ok_or_else(|| "write R,U, such as 10,0: two angles between -90 and 90".into())
 }
 
 /// A place among pixels and one among views, from 0.

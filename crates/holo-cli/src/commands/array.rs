@@ -1,6 +1,7 @@
 //! `holo array`: cameras on a plane, a cylinder or a sphere, for `holo render --transforms`.
 
-use holo_dataset::{Placement, Surface};
+use holo_core::CameraJitter;
+use holo_dataset::{Placement, Surface, jittered};
 
 use crate::arguments::{ArrayOptions, SurfaceArgument};
 use crate::console::say;
@@ -26,7 +27,16 @@ pub fn run(options: &ArrayOptions) -> Result<(), Failure> {
     };
     let focal_px = options.size.columns as f64 / (2.0 * (options.angle_deg / 2.0).to_radians().tan());
     let (target_m, radius_m, size) = (options.target_m, options.radius_m, options.size);
-    let array = Placement { surface, target_m, radius_m, size, focal_px }.cameras()?;
+    let meant = Placement { surface, target_m, radius_m, size, focal_px }.cameras()?;
+    let jitter = CameraJitter {
+        position_m: options.jitter_position_m,
+        rotation_rad: options.jitter_rotation_deg.to_radians(),
+        focal: options.jitter_focal,
+        gain: options.jitter_gain,
+        color: options.jitter_color,
+        time_s: options.jitter_time_s,
+    };
+    let array = jittered(meant, &jitter, options.seed)?;
     array.write(&options.out, options.transforms_up)?;
     say!("wrote {} ({} cameras): see `holo render --transforms`", options.out.display(), array.cameras.len());
     Ok(())

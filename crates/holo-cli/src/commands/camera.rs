@@ -112,6 +112,7 @@ pub fn decode(options: &DecodeOptions) -> Result<(), Failure> {
     };
     let mut job = DecodeJob::new(raw, camera);
     job.white.clone_from(&options.white);
+    job.depth.clone_from(&options.depth);
     job.views = options.views.map(|views| views as usize);
     job.scene = options.scene.clone().map(SceneSource::File);
     job.settings.scene.camera.clone_from(&options.camera);

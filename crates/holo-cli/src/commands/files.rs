@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use holo_core::DynImageRef;
 use holo_io::dataset::Representation;
 use holo_io::{LightFieldFile, LightFieldReader, ReadOptions};
+use ndarray::{Array2, Axis};
 
 use crate::arguments::InputOptions;
 use crate::console::say;
@@ -72,8 +73,17 @@ pub fn at_position(out: &Path, [column, row]: [usize; 2], largest: usize) -> Pat
     with_suffix(out, &format!("_r{row:0digits$}_c{column:0digits$}"))
 }
 
+/// Writes the mask of the pixels that no view shows beside the image.
+pub fn write_holes(out: &Path, holes: &Array2<bool>) -> Result<(), Failure> {
+    let count = holes.iter().filter(|&&is_hole| is_hole).count();
+    let mask = holes.mapv(|is_hole| if is_hole { 255u8 } else { 0 });
+    write(&beside(out, "_holes", "png"), mask.view().insert_axis(Axis(2)))?;
+    say!("{count} of {} pixels are in no view, and filled from farther surfaces", holes.len());
+    Ok(())
+}
+
 /// `view.pfm` has `view_holes.png` beside it.
-pub fn beside(out: &Path, suffix: &str, ending: &str) -> PathBuf {
+fn beside(out: &Path, suffix: &str, ending: &str) -> PathBuf {
     with_suffix(out, suffix).with_extension(ending)
 }
 

@@ -9,11 +9,18 @@ use holo_core::{DynImage, GridSize, Rig, SampleKind};
 use holo_io::Limits;
 use ndarray::Array3;
 
+use super::array_view;
 use super::files::{self, numbered};
-use crate::arguments::{ApertureArgument, RefocusOptions};
+use crate::arguments::RefocusOptions;
 use crate::failure::{Failure, wrong_option};
 
 pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
+    if options.tilt_deg.is_some() && options.distance_m.is_none() {
+        return Err(Failure::Usage("--tilt-deg tilts the plane of --distance-m; give that too".into()));
+    }
+    if let Some(array) = array_view::opened(&options.input, &options.viewpoint)? {
+        return array_view::refocus(options, &array);
+    }
     let file = files::read(&options.input)?;
     let (views, rig) = (file.light_field.shape().views(), file.rig);
     let refocus = refocus(options, views, rig.as_ref())?;
@@ -40,7 +47,7 @@ pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
                 let what = "the camera parameters are unknown, so a distance in meters has no meaning; give --disparity, or put parameters.cfg beside it";
                 Failure::Usage(format!("{}: {what}", options.input.input.display()))
             })?;
-            refocus.at_distance_m(&field, &rig, distance_m)?
+            refocus.at_plane(&field, &rig, array_view::plane(distance_m, options.tilt_deg)?)?
         }
         _ => return Err(Failure::Usage("give --disparity, --distance-m, --slope, --all-in-focus or --stack".into())),
     };
@@ -49,12 +56,7 @@ pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
 
 fn refocus(options: &RefocusOptions, views: GridSize, rig: Option<&Rig>) -> Result<Refocus, Failure> {
     let center = ((views.rows / 2) as f64, (views.columns / 2) as f64);
-    let aperture = match options.aperture {
-        ApertureArgument::All => Aperture::all(views)?,
-        ApertureArgument::Disc(diameter) => Aperture::disc(views, center, diameter).map_err(wrong_option)?,
-        ApertureArgument::Square(side) => Aperture::square(views, center, side).map_err(wrong_option)?,
-        ApertureArgument::Gaussian(deviation) => Aperture::gaussian(views, center, deviation).map_err(wrong_option)?,
-    };
+    let aperture = Aperture::shaped(views, center, options.aperture).map_err(wrong_option)?;
     let refocus = Refocus::with_aperture(aperture).kernel(options.kernel);
     Ok(rig.map_or(refocus.clone(), |rig| refocus.baseline_ratio(rig.baseline_ratio())))
 }

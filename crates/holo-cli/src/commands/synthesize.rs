@@ -6,7 +6,7 @@ use holo_core::{DynImage, GridSize, SampleKind, ViewDisparities, ViewIndex, View
 use holo_io::{LightFieldReader, Limits};
 use ndarray::{Array2, Array4};
 
-use super::files;
+use super::{array_view, files};
 use crate::arguments::{DisparityArgument, SynthesizeOptions};
 use crate::console::say;
 use crate::failure::{Failure, wrong_option};
@@ -19,10 +19,14 @@ enum Maps {
 }
 
 pub fn run(options: &SynthesizeOptions) -> Result<(), Failure> {
+    if let Some(array) = array_view::opened(&options.input, &options.viewpoint)? {
+        return array_view::synthesize(options, &array);
+    }
     let reader = files::open(&options.input.input, &options.input)?;
     files::say_source(&reader);
     let shape = reader.shape();
-    check_place(options.at, shape.views())?;
+    let at = options.at.ok_or_else(|| Failure::Usage("give --at".into()))?;
+    check_place(at, shape.views())?;
     let read = read_maps(&reader, options)?;
     let file = files::read_samples(reader)?;
     let is_8_bit = file.light_field.kind() == SampleKind::U8;
@@ -49,7 +53,7 @@ pub fn run(options: &SynthesizeOptions) -> Result<(), Failure> {
     if let Some(rig) = &rig {
         synthesis = synthesis.baseline_ratio(rig.baseline_ratio());
     }
-    let [s, t] = options.at;
+    let [s, t] = at;
     let view = synthesis.at(&field, disparities, (t, s)).map_err(wrong_option)?;
     let is_pfm = options.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm"));
     let kind = match () {
@@ -59,11 +63,7 @@ pub fn run(options: &SynthesizeOptions) -> Result<(), Failure> {
         () => SampleKind::U16,
     };
     files::write(&options.out, &DynImage::from_linear(view.image.view(), kind)?)?;
-    let holes = view.holes.mapv(|is_hole| if is_hole { 255u8 } else { 0 });
-    let count = view.holes.iter().filter(|&&is_hole| is_hole).count();
-    files::write(&files::beside(&options.out, "_holes", "png"), holes.view().insert_axis(ndarray::Axis(2)))?;
-    say!("{count} of {} pixels are in no view, and filled from farther surfaces", shape.lenses().count());
-    Ok(())
+    files::write_holes(&options.out, &view.holes)
 }
 
 /// Refuses a place (column, row) outside of the grid of views.

@@ -94,12 +94,21 @@ fn a_plenoptic_folder_is_read_as_views() {
     std::fs::remove_file(bench.path("raw/raw.exr")).unwrap();
     every_command_reads(&bench, "raw", "raw_linear.png", "pfm");
 
-    // The raw image of a focused camera has no views.
+    // From the raw image of a focused camera views are rendered.
     let focused = shifted_camera().replace("gap_um = 400.0", "gap_um = 400.0\nfocal_um = [500.0]");
     std::fs::write(bench.path("focused.toml"), focused).unwrap();
-    ok(&bench, &format!("render {SCENE} --camera-file focused.toml --spp 1 --sky 1,1,1 --out focused"));
+    ok(&bench, &format!("render {SCENE} --camera-file focused.toml --spp 1 --sky 1,1,1 --layers depth --out focused"));
     ok(&bench, "info focused");
-    refused(&bench, "depth focused --out x.pfm", 1, &["focused/raw.exr", "a focused camera has no views"]);
+    ok(&bench, "depth focused --out focused.pfm");
+    ok(&bench, "refocus focused --disparity 0 --out focused.png");
+    ok(&bench, "decode focused --depth focused/raw_depth.pfm --out along");
+    ok(&bench, "verify along");
+    refused(
+        &bench,
+        "decode raw --depth focused/raw_depth.pfm --out x",
+        2,
+        &["views of an unfocused camera need no depth"],
+    );
     // White images alone are none.
     ok(&bench, "target --camera-file small.toml --checkerboard 5x3 --square-mm 10 --spp 1 --out target");
     assert!(ok(&bench, "info target").stdout.contains("no raw image"));

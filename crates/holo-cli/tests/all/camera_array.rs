@@ -213,3 +213,190 @@ fn placed_cameras_look_at_their_target() {
         assert!(outcome.code == Some(2) && outcome.stderr.contains(part), "{line}: {outcome:?}");
     }
 }
+
+/// Squares before a wall.
+fn boxes() -> Scene {
+    let mut scene = plane();
+    scene.meshes[0].positions = vec![[-8.0, -8.0, -0.6], [8.0, -8.0, -0.6], [8.0, 8.0, -0.6], [-8.0, 8.0, -0.6]];
+    let half = 0.08_f32;
+    let mut mesh = Mesh::default();
+    for (k, [x, y]) in [[-0.5, -0.2], [0.1, 0.3], [0.45, -0.3], [-0.2, 0.15]].into_iter().enumerate() {
+        let z = 0.4 + 0.2 * k as f32;
+        let first = mesh.positions.len() as u32;
+        for corner in [[-half, -half], [half, -half], [half, half], [-half, half]] {
+            mesh.positions.push([x + corner[0], y + corner[1], z]);
+        }
+        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    }
+    scene.meshes.push(mesh);
+    scene.instances.push(Instance { name: "boxes".into(), mesh: 1, transform: Transform::IDENTITY });
+    scene.lights[0].kind = LightKind::Directional { direction: [0.0, -0.6, -0.8], angular_diameter_rad: 0.0 };
+    scene
+}
+
+fn ok(outcome: common::Outcome) {
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+}
+
+fn image(bench: &Bench, name: &str) -> ndarray::Array3<f64> {
+    holo_io::read_linear(bench.path(name), &Limits::default()).unwrap().mapv(f64::from)
+}
+
+/// The root of the mean of the squared differences where both are numbers, without `border` pixels.
+fn deviation(a: &ndarray::Array3<f64>, b: &ndarray::Array3<f64>, border: usize) -> f64 {
+    assert_eq!(a.dim(), b.dim());
+    let (rows, columns, _) = a.dim();
+    let inside = |(v, u, _): (usize, usize, usize)| {
+        (border..rows - border).contains(&v) && (border..columns - border).contains(&u)
+    };
+    let errors: Vec<f64> = a.indexed_iter().filter(|(at, _)| inside(*at)).map(|(at, x)| (x - b[at]).powi(2)).collect();
+    (errors.iter().sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+/// Cameras that stand as the views of a rig do give its refocused image, straight and tilted: another way through other files.
+#[test]
+fn an_array_that_stands_as_a_rig_refocuses_as_it_does() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("boxes.glb"), holo_scene::gltf::to_glb(&boxes()).unwrap()).unwrap();
+    ok(bench.run("render boxes.glb --out rig --views 5 --lenses 48x32 --baseline-m 0.02 --focus-m inf --spp 64 --exposure 0 --write el --bit-depth 16"));
+    // The focal length of the scene's camera, which the angle across 32 rows defines.
+    let focal = 16.0 / 0.35_f64.tan();
+    let frame = |k: usize| {
+        let (row, column) = ((k / 5) as f64 - 2.0, (k % 5) as f64 - 2.0);
+        json!({ "file_path": format!("images/{k}.png"), "fl_x": focal, "w": 48, "h": 32, "transform_matrix":
+            [[1, 0, 0, 0.02 * column], [0, 1, 0, -0.02 * row], [0, 0, 1, 4], [0, 0, 0, 1]] })
+    };
+    let file = json!({ "frames": (0..25).map(frame).collect::<Vec<_>>() });
+    std::fs::write(bench.path("in.json"), file.to_string()).unwrap();
+    ok(bench.run("render boxes.glb --out array --transforms in.json --transforms-up y --spp 64 --exposure 0 --bit-depth 16 --layers depth"));
+    for (k, more) in ["--distance-m 3.4", "--distance-m 4 --tilt-deg 30,-40", "--distance-m 3 --aperture disc:2.1"]
+        .iter()
+        .enumerate()
+    {
+        ok(bench.run(&format!("refocus rig {more} --out rig_{k}.pfm")));
+        let more = more.replace("disc:2.1", "disc:0.042");
+        ok(bench.run(&format!("refocus array {more} --transforms-up y --out array_{k}.pfm")));
+        let (rig, array) = (image(&bench, &format!("rig_{k}.pfm")), image(&bench, &format!("array_{k}.pfm")));
+        // Samples differ: two renders of 64 samples, 25 or 5 views on average.
+        let error = deviation(&rig, &array, 4);
+        assert!(error < 6e-3, "{more}: {error}");
+        let blurred = deviation(&rig, &image(&bench, "array/images/12.png"), 4);
+        assert!(blurred > 2.0 * error, "{more}: {blurred} {error}");
+    }
+    // By the depth of the view itself everything is sharp.
+    ok(bench.run(
+        "refocus array --all-in-focus array/depth/12.pfm --aperture disc:0.041 --transforms-up y --out sharp.pfm",
+    ));
+    let sharp = deviation(&image(&bench, "sharp.pfm"), &image(&bench, "array/images/12.png"), 4);
+    let plane = deviation(&image(&bench, "array_2.pfm"), &image(&bench, "array/images/12.png"), 4);
+    assert!(sharp < plane / 2.0, "{sharp} {plane}");
+}
+
+/// A view between cameras on a sphere is nearer to the image that is rendered there than that of the nearest camera, by far; Python
+/// makes the same (`test_light_field.py`).
+#[test]
+fn a_view_between_the_cameras_is_that_of_the_scene() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("boxes.glb"), holo_scene::gltf::to_glb(&boxes()).unwrap()).unwrap();
+    ok(bench.run("array sphere --count 40 --radius-m 3 --target 0,0,0.5 --elevation-deg 40,80 --size 60x40 --fov-deg 50 --out in.json"));
+    ok(bench.run("render boxes.glb --out array --transforms in.json --spp 64 --exposure 0 --layers depth"));
+    let (eye, target) = ([0.6, 2.2, 2.2], [0.0, 0.0, 0.5]);
+    let Transform { columns: [x, y, z], translation } = Transform::look_at(eye, target, [0.0, 1.0, 0.0]);
+    let row = |i: usize| json!([x[i], y[i], z[i], translation[i]]);
+    let focal = 30.0 / 25.0_f64.to_radians().tan();
+    let file = json!({ "fl_x": focal, "w": 60, "h": 40, "frames": [
+        { "file_path": "images/truth.png", "transform_matrix": [row(0), row(1), row(2), [0, 0, 0, 1]] } ] });
+    std::fs::write(bench.path("truth.json"), file.to_string()).unwrap();
+    ok(bench.run("render boxes.glb --out truth --transforms truth.json --transforms-up y --spp 64 --exposure 0"));
+    ok(bench.run("synthesize array --eye 0.6,2.2,2.2 --target 0,0,0.5 --out made.png"));
+    ok(bench.run("refocus array --eye 0.6,2.2,2.2 --target 0,0,0.5 --distance-m 3 --out blended.png"));
+    let truth = image(&bench, "truth/images/truth.png");
+    let (made, blended) =
+        (deviation(&image(&bench, "made.png"), &truth, 2), deviation(&image(&bench, "blended.png"), &truth, 2));
+    assert!(made < 0.03 && made * 2.5 < blended, "{made} {blended}");
+    assert!(bench.path("made_holes.png").exists());
+}
+
+#[test]
+fn arrays_refuse_what_they_cannot_do() {
+    let bench = Bench::new();
+    ok(bench.run("array plane --count 3 --size 12x8 --out in.json"));
+    ok(bench.run("render tiny.glb --out array --transforms in.json --spp 1 --layers shading-normal"));
+    bench.render("out", "");
+    for (arguments, part) in [
+        ("refocus array --disparity 0 --out x.png", "--distance-m"),
+        ("refocus array --stack 0,1,3 --out x.png", "--distance-m"),
+        ("refocus array --distance-m inf --tilt-deg 1,0 --out x.png", "finite"),
+        ("refocus array --distance-m 1 --tilt-deg 90,0 --out x.png", "between -90 and 90"),
+        ("refocus out --disparity 0 --tilt-deg 1,0 --out x.png", "--distance-m"),
+        ("refocus array --distance-m 1 --aperture disc:1e-9 --eye 9,9,9 --out x.png", "no camera lies within"),
+        ("refocus array --distance-m 1 --eye 0,0,1 --target 0,0,1 --out x.png", "stands where it looks"),
+        ("refocus out --distance-m 1 --eye 0,0,1 --out x.png", "no transforms.json"),
+        ("synthesize array --at 1,0 --out x.png", "--eye"),
+        ("synthesize array --eye 0,0,1 --out x.png", "has no depth"),
+        ("synthesize array --eye 0,0,1 --disparity estimate --out x.png", "grids of views"),
+        ("synthesize array --out x.png", "--at"),
+        ("synthesize out --at 1,1 --eye 0,0,1 --out x.png", "cannot be used with"),
+    ] {
+        let outcome = bench.run(arguments);
+        assert_eq!(outcome.code, Some(2), "{arguments}: {outcome:?}");
+        assert!(outcome.stderr.contains(part), "{arguments}: {outcome:?}");
+    }
+    std::fs::write(bench.path("array/images/camera_0001.png"), "no image").unwrap();
+    let outcome = bench.run("refocus array --distance-m 1 --out x.png");
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("camera_0001.png"), "{outcome:?}");
+    assert!(!bench.list("").iter().any(|name| name.starts_with("x.")), "nothing was written");
+}
+
+/// Cameras of a real array: the file says how each deviates, and images follow it.
+#[test]
+fn deviations_are_in_the_file_and_in_the_images() {
+    let bench = Bench::new();
+    let place = "array plane --count 4x2 --size 24x16 --radius-m 1 --seed 5";
+    ok(bench.run(&format!("{place} --out exact.json")));
+    ok(bench.run(&format!("{place} --jitter-position-m 0.01 --jitter-rotation-deg 1 --jitter-focal 0.02 --jitter-gain 0.2 --jitter-color 0.1 --jitter-time-s 0.5 --out in.json")));
+    ok(bench.run(&format!("{place} --jitter-position-m 0.01 --out moved.json")));
+    let read = |name: &str| holo_io::CameraArray::read(bench.path(name), holo_io::WorldUp::Z, None).unwrap().cameras;
+    let (exact, all, moved) = (read("exact.json"), read("in.json"), read("moved.json"));
+    for k in 0..8 {
+        assert!(exact[k].gain == [1.0; 3] && exact[k].time_s == 0.0 && moved[k].focal_px == exact[k].focal_px);
+        // One kind of jitter does not change another.
+        assert_eq!(all[k].axes_and_position[3], moved[k].axes_and_position[3]);
+        let away =
+            (0..3).map(|i| (moved[k].axes_and_position[3][i] - exact[k].axes_and_position[3][i]).powi(2)).sum::<f64>();
+        assert!(away > 0.0 && away.sqrt() < 0.06 && all[k].focal_px != exact[k].focal_px);
+        assert!(all[k].gain != [1.0; 3] && (0.0..0.5).contains(&all[k].time_s));
+    }
+    let outcome = bench.run(&format!("{place} --jitter-gain -1 --out x.json"));
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    // Two cameras at one place: the gain multiplies the light, and the other time is that of the animation.
+    ok(bench.run("scene pendulum --out pendulum.glb"));
+    let frame = |name: &str, more: &[(&str, Value)]| {
+        let mut frame = json!({ "file_path": format!("images/{name}.png"), "fl_x": 30.0, "w": 24, "h": 16, "transform_matrix":
+            [[1, 0, 0, 0], [0, 1, 0, 0.3], [0, 0, 1, 1.2], [0, 0, 0, 1]] });
+        more.iter().for_each(|(key, value)| frame[*key] = value.clone());
+        frame
+    };
+    let file = json!({ "frames": [
+        frame("plain", &[]), frame("bright", &[("gain", json!([2.0, 1.0, 0.5]))]), frame("late", &[("time_s", json!(0.25))]) ] });
+    std::fs::write(bench.path("poses.json"), file.to_string()).unwrap();
+    let line = "render pendulum.glb --transforms poses.json --transforms-up y --layers depth,color --integrator direct --spp 1 --fps 12";
+    ok(bench.run(&format!("{line} --frame 3 --out three")));
+    ok(bench.run(&format!("{line} --frame 6 --out six")));
+    let light = |folder: &str, name: &str| image(&bench, &format!("{folder}/color/{name}.pfm"));
+    let (plain, bright) = (light("three", "plain"), light("three", "bright"));
+    for ((_, _, channel), (light, gained)) in plain.indexed_iter().map(|(at, x)| (at, (x, bright[at]))) {
+        assert!((gained - light * [2.0, 1.0, 0.5][channel]).abs() < 1e-6 * light.abs().max(1e-3));
+    }
+    assert!(light("three", "late") == light("six", "plain") && light("three", "plain") != light("six", "plain"));
+    let written = read_transforms(&bench, "three/transforms.json");
+    assert_eq!((written[1].gain, written[2].time_s), ([2.0, 1.0, 0.5], 0.25));
+    // A light field at a pose has no gain of its own.
+    let outcome =
+        bench.run("render pendulum.glb --transforms poses.json --transforms-up y --views 3 --spp 1 --out views");
+    assert!(outcome.code == Some(2) && outcome.stderr.contains("camera 'bright' has a gain"), "{outcome:?}");
+}
+
+fn read_transforms(bench: &Bench, name: &str) -> Vec<holo_io::ArrayCamera> {
+    holo_io::CameraArray::read(bench.path(name), holo_io::WorldUp::Y, None).unwrap().cameras
+}

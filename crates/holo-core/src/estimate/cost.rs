@@ -11,7 +11,7 @@ use super::views::{View, Views};
 const TRUNCATION: f32 = 0.04;
 
 /// The integer cost of a truncated difference.
-pub(super) const WORST: f32 = 1000.0;
+pub(crate) const WORST: f32 = 1000.0;
 /// The cost, from 0 to 1, of a pixel that is outside all views.
 const UNSEEN: f32 = 0.5;
 /// Rows per tile: the sums of eight arms fit in the cache.

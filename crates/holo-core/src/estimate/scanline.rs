@@ -27,7 +27,7 @@ const CHUNK: usize = 64;
 /// # Source
 ///
 /// Hirschmueller 2008, "Stereo processing by semiglobal matching and mutual information", equations 13 and 14.
-pub(super) fn aggregate(costs: &[u16], size: GridSize, planes: usize, guide: &[f32], sums: &mut [u16]) {
+pub(crate) fn aggregate(costs: &[u16], size: GridSize, planes: usize, guide: &[f32], sums: &mut [u16]) {
     let columns = size.columns;
     sums.fill(0);
     sums.par_chunks_mut(columns * planes).enumerate().for_each(|(row, sums)| {

@@ -1,6 +1,6 @@
-//! From the raw image of an unfocused camera to a light field with its rig.
+//! From the raw image of a camera to a light field with its rig.
 
-use ndarray::{Array5, ArrayView2, ArrayView3, Axis};
+use ndarray::{Array2, Array5, ArrayView2, ArrayView3, Axis};
 
 use super::{MicrolensGrid, PlenopticCamera};
 use crate::memory;
@@ -8,7 +8,7 @@ use crate::parallel::*;
 use crate::{Error, GridSize, LightField, LightFieldOwned, LightFieldShape, Rig};
 
 /// The least light of a white image, relative to an unvignetted pixel, at which a sample counts.
-const LEAST_LIGHT: f64 = 0.02;
+pub(super) const LEAST_LIGHT: f64 = 0.02;
 
 /// A light field that was decoded from a raw image.
 #[derive(Debug, Clone)]
@@ -23,6 +23,8 @@ pub struct Decoded {
     pub rig: Rig,
     /// The rotation of the views, counterclockwise in the image.
     pub roll_rad: f64,
+    /// Of a focused camera: the depth of the central view along which its views were rendered, axes (v, u), m.
+    pub depth_m: Option<Array2<f32>>,
 }
 
 /// The places on the microlens array that become the pixels of a view.
@@ -35,13 +37,16 @@ struct ViewGrid {
 }
 
 impl PlenopticCamera {
-    /// Returns the largest odd number of views an axis whose pixels are lit in every micro-image: those within the fully
-    /// lit radius minus half a pixel.
+    /// Returns the number of views an axis that [`decode`](Self::decode) makes unless told otherwise: the largest odd one whose pixels
+    /// are lit in every micro-image, those within the fully lit radius minus half a pixel; of a focused camera five.
     ///
     /// # Errors
     ///
-    /// [`Error::BadNumber`] if no pixel is fully lit, as in most focused cameras.
+    /// [`Error::BadNumber`] if no pixel is fully lit.
     pub fn decodable_views(&self) -> Result<usize, Error> {
+        if self.has_rendered_views() {
+            return Ok(Self::rendered_view_count());
+        }
         let radius_px = self.micro_image_radii_m(0)[0] / self.sensor().pixel_m - 0.5;
         // The corner view is the farthest from the center: a square within the disc.
         let half = (radius_px / std::f64::consts::SQRT_2).floor();
@@ -53,28 +58,13 @@ impl PlenopticCamera {
         }
     }
 
-    /// Checks that the raw image has views: that the camera is unfocused, with microlenses of one type.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadNumber`] if the camera is focused: its micro-images are no samples of views.
-    pub fn require_unfocused(&self) -> Result<(), Error> {
-        if self.mode(0) == super::PlenopticMode::Unfocused && self.array().type_count() <= 1 {
-            return Ok(());
-        }
-        let what = "focal length of the microlenses in gaps";
-        let value = self.microlens_focal_lengths_m()[0] / self.array().gap_m;
-        let need = "about 1: a focused camera has no views; its raw image is for calibration and rendering tools";
-        Err(Error::BadNumber { what, value, need })
-    }
-
     /// Returns the rig of the `views` x `views` views that [`decode`](Self::decode) makes, without an image.
     ///
     /// # Errors
     ///
     /// Those of [`decode`](Self::decode) that no image causes.
     pub fn decoded_rig(&self, views: usize) -> Result<Rig, Error> {
-        self.decoded_views(views).map(|(_, rig)| rig)
+        if self.has_rendered_views() { self.rendered_rig(views) } else { self.decoded_views(views).map(|(_, rig)| rig) }
     }
 
     /// The pixels of the views, and their rig.
@@ -82,14 +72,14 @@ impl PlenopticCamera {
         if views == 0 {
             return Err(Error::ZeroCount { what: "views" });
         }
-        self.require_unfocused()?;
         let grid = self.view_grid(views)?;
         let rig = self.equivalent_rig(GridSize::new(views, views), grid.size, grid.spacing_m, 1.0)?;
         Ok((grid, rig))
     }
 
-    /// Decodes a raw image to views: looks raw and white image up around the center of every micro-image, one pixel from
-    /// view to view, and divides one by the other.
+    /// Decodes a raw image to views. For an unfocused camera it looks raw and white image up around the center of every micro-image,
+    /// one pixel from view to view, and divides one by the other. From micro-images of a focused camera it renders views along depths
+    /// that it estimates, or that are given to [`decode_along`](Self::decode_along); see there.
     ///
     /// View (t, s) of `views` x `views` sees what the pixels (s - views/2, t - views/2) from the centers see, in the directions
     /// of the array. The pixels of
@@ -99,20 +89,18 @@ impl PlenopticCamera {
     ///
     /// # Accuracy
     ///
-    /// Bilinear interpolation in raw and white image, linear between microlenses.
+    /// Bilinear interpolation in raw and white image, linear between microlenses. Views of focused cameras are as good as the depth;
+    /// behind a lens of glass they neglect what its rays deviate from those near the axis, but distortion.
     ///
     /// # Errors
     ///
     /// [`Error::Shape`] if an image has not the size of the sensor; [`Error::ZeroCount`] for no views or no whole
-    /// micro-image; [`Error::BadNumber`] if the camera has no equivalent rig, or is focused (its micro-images are no
-    /// samples of views); [`Error::OutOfMemory`].
+    /// micro-image; [`Error::BadNumber`] if the camera has no equivalent rig; [`Error::OutOfMemory`].
     pub fn decode(&self, raw: ArrayView3<f32>, white: ArrayView2<f32>, views: usize) -> Result<Decoded, Error> {
+        self.check_images(raw, white)?;
         let size = self.sensor().size;
-        for (what, dim) in [("raw image", [raw.dim().0, raw.dim().1]), ("white image", [white.dim().0, white.dim().1])]
-        {
-            if dim != [size.rows, size.columns] {
-                return Err(Error::Shape { what, expected: vec![size.rows, size.columns], found: dim.to_vec() });
-            }
+        if self.has_rendered_views() {
+            return self.decode_focused(raw, white, views);
         }
         let (grid, rig) = self.decoded_views(views)?;
         let shape = LightFieldShape::new(GridSize::new(views, views), grid.size)?;
@@ -160,7 +148,25 @@ impl PlenopticCamera {
             }
         });
         let roll_rad = self.array().rotation_rad;
-        Ok(Decoded { light_field: LightField::new(color)?, weight: LightField::new(weight)?, rig, roll_rad })
+        Ok(Decoded {
+            light_field: LightField::new(color)?,
+            weight: LightField::new(weight)?,
+            rig,
+            roll_rad,
+            depth_m: None,
+        })
+    }
+
+    /// Refuses images that have not the size of the sensor.
+    pub(super) fn check_images(&self, raw: ArrayView3<f32>, white: ArrayView2<f32>) -> Result<(), Error> {
+        let size = self.sensor().size;
+        for (what, dim) in [("raw image", [raw.dim().0, raw.dim().1]), ("white image", [white.dim().0, white.dim().1])]
+        {
+            if dim != [size.rows, size.columns] {
+                return Err(Error::Shape { what, expected: vec![size.rows, size.columns], found: dim.to_vec() });
+            }
+        }
+        Ok(())
     }
 
     /// The pixels of the views: as many places around the axis as have all their pixels on the sensor.
@@ -220,7 +226,7 @@ impl PlenopticCamera {
 }
 
 /// Zeros in the order of the elemental image array.
-fn field(shape: LightFieldShape, channels: usize) -> Result<Array5<f32>, Error> {
+pub(super) fn field(shape: LightFieldShape, channels: usize) -> Result<Array5<f32>, Error> {
     let (views, lenses) = (shape.views(), shape.lenses());
     let dim = (lenses.rows, lenses.columns, views.rows, views.columns, channels);
     let count = [dim.0, dim.1, dim.2, dim.3, dim.4].into_iter().try_fold(1usize, usize::checked_mul);
@@ -230,7 +236,7 @@ fn field(shape: LightFieldShape, channels: usize) -> Result<Array5<f32>, Error> 
 }
 
 /// The four pixels around a position and their parts; `None` outside of the outermost centers.
-fn bilinear([x, y]: [f64; 2], size: GridSize) -> Option<([[usize; 2]; 4], [f64; 4])> {
+pub(super) fn bilinear([x, y]: [f64; 2], size: GridSize) -> Option<([[usize; 2]; 4], [f64; 4])> {
     let (x, y) = (x - 0.5, y - 0.5);
     let is_inside = x >= 0.0 && y >= 0.0 && x <= size.columns as f64 - 1.0 && y <= size.rows as f64 - 1.0;
     if !is_inside {

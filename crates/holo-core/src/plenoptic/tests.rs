@@ -6,6 +6,7 @@ use super::*;
 use crate::{GridSize, LightFieldShape, Rig};
 
 mod calibration;
+mod focused;
 mod glass;
 mod real_lenses;
 mod views;

@@ -1,5 +1,7 @@
 //! The synthetic aperture: a weight for every view.
 
+use std::str::FromStr;
+
 use ndarray::{Array2, ArrayView2};
 
 use crate::error::positive;
@@ -48,8 +50,8 @@ impl Aperture {
     /// As [`Aperture::all`]; [`Error::BadNumber`] if the diameter is not finite and above 0, or if no view lies within
     /// it.
     pub fn disc(views: GridSize, center: (f64, f64), diameter_views: f64) -> Result<Self, Error> {
-        let radius = positive("diameter of the aperture in views", diameter_views)? / 2.0;
-        Self::cut_out(views, center, diameter_views, |down, right| down.hypot(right) <= radius + EDGE)
+        positive("diameter of the aperture in views", diameter_views)?;
+        Self::sized(views, center, diameter_views, ApertureShape::Disc)
     }
 
     /// Returns a square aperture: the views within half the side of `center` along both axes, with equal weights.
@@ -58,8 +60,8 @@ impl Aperture {
     ///
     /// As [`Aperture::disc`].
     pub fn square(views: GridSize, center: (f64, f64), side_views: f64) -> Result<Self, Error> {
-        let half = positive("side of the aperture in views", side_views)? / 2.0;
-        Self::cut_out(views, center, side_views, |down, right| down.abs().max(right.abs()) <= half + EDGE)
+        positive("side of the aperture in views", side_views)?;
+        Self::sized(views, center, side_views, ApertureShape::Square)
     }
 
     /// Returns an aperture of Gaussian weights around `center`.
@@ -72,12 +74,22 @@ impl Aperture {
     ///
     /// As [`Aperture::disc`].
     pub fn gaussian(views: GridSize, center: (f64, f64), deviation_views: f64) -> Result<Self, Error> {
-        let deviation = positive("deviation of the aperture in views", deviation_views)?;
-        let aperture = Self::from_function(views, |t, s| {
-            let (down, right) = (t as f64 - center.0, s as f64 - center.1);
-            (-0.5 * ((down / deviation).powi(2) + (right / deviation).powi(2))).exp() as f32
-        })?;
-        aperture.not_empty(deviation_views)
+        positive("deviation of the aperture in views", deviation_views)?;
+        Self::sized(views, center, deviation_views, ApertureShape::Gaussian)
+    }
+
+    /// Returns the aperture of a shape around `center`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Aperture::disc`].
+    pub fn shaped(views: GridSize, center: (f64, f64), shape: ApertureShape) -> Result<Self, Error> {
+        match shape {
+            ApertureShape::All => Self::all(views),
+            ApertureShape::Disc(diameter) => Self::disc(views, center, diameter),
+            ApertureShape::Square(side) => Self::square(views, center, side),
+            ApertureShape::Gaussian(deviation) => Self::gaussian(views, center, deviation),
+        }
     }
 
     /// Returns the aperture of the given weights, one for each view `(t, s)`.
@@ -110,14 +122,21 @@ impl Aperture {
         GridSize::new(self.weights.nrows(), self.weights.ncols())
     }
 
-    fn cut_out(
+    /// The aperture of a shape of a size; one without views, such as one whose center is NaN, is refused.
+    fn sized(
         views: GridSize,
         center: (f64, f64),
         size_views: f64,
-        inside: impl Fn(f64, f64) -> bool,
+        shape: impl Fn(f64) -> ApertureShape,
     ) -> Result<Self, Error> {
-        let weight = |t: usize, s: usize| f32::from(u8::from(inside(t as f64 - center.0, s as f64 - center.1)));
-        Self::from_function(views, weight)?.not_empty(size_views)
+        let shape = shape(size_views);
+        let weight = |t: usize, s: usize| shape.weight([t as f64 - center.0, s as f64 - center.1]);
+        let aperture = Self::from_function(views, weight)?;
+        if aperture.weights.iter().any(|&weight| weight > 0.0) {
+            return Ok(aperture);
+        }
+        let what = "size of the aperture in views";
+        Err(Error::BadNumber { what, value: size_views, need: "large enough to reach a view from its center" })
     }
 
     fn from_function(views: GridSize, weight: impl Fn(usize, usize) -> f32) -> Result<Self, Error> {
@@ -130,18 +149,55 @@ impl Aperture {
         }
         Ok(Self { weights })
     }
+}
 
-    /// Rejects an aperture without views, such as one whose center is NaN.
-    fn not_empty(self, size_views: f64) -> Result<Self, Error> {
-        if self.weights.iter().any(|&weight| weight > 0.0) {
-            return Ok(self);
+/// The shape of a synthetic aperture, and its size: in views of a grid, in meters of cameras anywhere.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum ApertureShape {
+    /// All views or cameras, with equal weights.
+    #[default]
+    All,
+    /// A disc of this diameter.
+    Disc(f64),
+    /// A square of this side.
+    Square(f64),
+    /// Gaussian weights of this standard deviation.
+    Gaussian(f64),
+}
+
+impl ApertureShape {
+    /// The weight at a distance from the center, along both axes.
+    #[must_use]
+    pub fn weight(self, [down, right]: [f64; 2]) -> f32 {
+        let inside = |is_inside: bool| f32::from(u8::from(is_inside));
+        match self {
+            Self::All => 1.0,
+            Self::Disc(diameter) => inside(down.hypot(right) <= diameter / 2.0 + EDGE),
+            Self::Square(side) => inside(down.abs().max(right.abs()) <= side / 2.0 + EDGE),
+            Self::Gaussian(deviation) => {
+                (-0.5 * ((down / deviation).powi(2) + (right / deviation).powi(2))).exp() as f32
+            }
         }
-        let what = "size of the aperture in views";
-        Err(Error::BadNumber { what, value: size_views, need: "large enough to reach a view from its center" })
     }
 }
 
-/// The tolerance of the edge, in views, for rounded sizes.
+impl FromStr for ApertureShape {
+    type Err = String;
+
+    /// Reads `all`, `disc:D`, `square:D` or `gaussian:D`, D finite and above 0.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let size = |text: &str| text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
+        match text.split_once(':').and_then(|(shape, text)| Some((shape, size(text)?))) {
+            Some(("disc", diameter)) => Ok(Self::Disc(diameter)),
+            Some(("square", side)) => Ok(Self::Square(side)),
+            Some(("gaussian", deviation)) => Ok(Self::Gaussian(deviation)),
+            _ if text == "all" => Ok(Self::All),
+            _ => Err("write all, disc:D, square:D or gaussian:D, such as disc:9, D above 0".into()),
+        }
+    }
+}
+
+/// The tolerance of the edge, in views or meters, for rounded sizes.
 const EDGE: f64 = 1e-9;
 
 #[cfg(test)]
@@ -165,6 +221,17 @@ mod tests {
         let gaussian = Aperture::gaussian(views, (1.0, 1.0), 1.0).unwrap();
         assert_eq!(gaussian.weights()[[1, 1]], 1.0);
         assert!((f64::from(gaussian.weights()[[0, 2]]) - (-1.0_f64).exp()).abs() < 1e-7);
+    }
+
+    #[test]
+    fn shapes_are_written_as_words() {
+        assert_eq!("all".parse(), Ok(ApertureShape::All));
+        assert_eq!("disc:4.5".parse(), Ok(ApertureShape::Disc(4.5)));
+        assert_eq!("square:3".parse(), Ok(ApertureShape::Square(3.0)));
+        assert_eq!("gaussian:1e-2".parse(), Ok(ApertureShape::Gaussian(0.01)));
+        for text in ["", "disc", "disc:", "disc:0", "disc:-1", "disc:inf", "disc:nan", "round:3", "all:3"] {
+            assert!(text.parse::<ApertureShape>().is_err(), "{text}");
+        }
     }
 
     #[test]

@@ -2,6 +2,10 @@
 
 use std::ops::Range;
 
+use ndarray::ArrayView3;
+
+use crate::Sample;
+
 /// The interpolation kernel between pixels, along rows and columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
@@ -64,6 +68,27 @@ impl Shift {
     /// The view pixel with weight `tap` for a pixel of the result, clamped to the view.
     pub fn source(&self, pixel: usize, tap: usize, count: usize) -> usize {
         (pixel as isize + self.first + tap as isize).clamp(0, count as isize - 1) as usize
+    }
+}
+
+/// Adds the weighted sample of an image at a place (row, column); the pixels of the border go on beyond it.
+pub(crate) fn add_sample<T: Sample>(
+    image: ArrayView3<'_, T>,
+    place: [f64; 2],
+    kernel: Kernel,
+    weight: f32,
+    sample: &mut [f32],
+) {
+    let (rows, columns, _) = image.dim();
+    let [(first_row, down), (first_column, along)] =
+        place.map(|at| (at.floor() as isize - 1, kernel.weights(at - at.floor()).map(|weight| weight as f32)));
+    let inside = |at: isize, count: usize| at.clamp(0, count as isize - 1) as usize;
+    let row_of = |k: usize| inside(first_row + k as isize, rows);
+    let column_of = |k: usize| inside(first_column + k as isize, columns);
+    for (k, weight) in (0..16).map(|k| (k, weight * down[k / 4] * along[k % 4])).filter(|(_, weight)| *weight != 0.0) {
+        for (channel, value) in sample.iter_mut().enumerate() {
+            *value += weight * image[[row_of(k / 4), column_of(k % 4), channel]].to_f32();
+        }
     }
 }
 

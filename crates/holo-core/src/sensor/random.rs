@@ -10,7 +10,7 @@ const LARGE_MEAN: f64 = 256.0;
 
 /// What a random number is for. Numbers of different purposes are independent.
 #[derive(Clone, Copy)]
-pub(super) enum Purpose {
+pub(crate) enum Purpose {
     Photons = 1,
     Read,
     Row,
@@ -19,11 +19,17 @@ pub(super) enum Purpose {
     Column,
     Hot,
     HotRate,
+    CameraPosition,
+    CameraRotation,
+    CameraFocal,
+    CameraGain,
+    CameraColor,
+    CameraTime,
 }
 
 /// A family of random numbers: one for every place.
 #[derive(Clone, Copy)]
-pub(super) struct Stream(u64);
+pub(crate) struct Stream(u64);
 
 impl Stream {
     pub fn new(seed: u64, frame: u64, purpose: Purpose) -> Self {

@@ -7,7 +7,7 @@ use super::surface::STEP_PX;
 
 /// Fills the pixels of a map that are NaN, and their colors of `channels` numbers a pixel, from their neighbors: the farthest ones
 /// spread first, into all of a hole that they reach. A map without any number stays as it is.
-pub(super) fn fill(map: &mut [f32], [rows, columns]: [usize; 2], colors: &mut [f32], channels: usize) {
+pub(crate) fn fill(map: &mut [f32], [rows, columns]: [usize; 2], colors: &mut [f32], channels: usize) {
     let neighbors = |at: usize| {
         let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
         near(at / columns, rows)

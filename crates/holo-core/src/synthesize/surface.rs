@@ -27,11 +27,6 @@ impl<'a> Maps<'a> {
         let wrong = |expected: &[usize], found: &[usize]| {
             Err(Error::Shape { what: "disparity map", expected: expected.to_vec(), found: found.to_vec() })
         };
-        let span = |values: &mut dyn Iterator<Item = f32>| {
-            values.filter(|x| x.is_finite()).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-                [low.min(f64::from(x)), high.max(f64::from(x))]
-            })
-        };
         let range_px = match disparities {
             ViewDisparities::Plane(disparity_px) => [disparity_px; 2],
             ViewDisparities::OfView(map, view) => {
@@ -77,10 +72,10 @@ impl<'a> Maps<'a> {
             ViewDisparities::Plane(disparity_px) => filled("a disparity map", size[0] * size[1], disparity_px as f32)?,
             ViewDisparities::OfAll(maps) => {
                 let map = maps.index_axis_move(Axis(3), view.column).index_axis_move(Axis(2), view.row);
-                widened(map, size)?
+                return Surface::widened(map);
             }
             ViewDisparities::OfView(map, at) => {
-                let from = Surface { map: widened(map, size)?, size };
+                let from = Surface::widened(map)?;
                 if at == view {
                     return Ok(from);
                 }
@@ -90,6 +85,13 @@ impl<'a> Maps<'a> {
         };
         Ok(Surface { map, size })
     }
+}
+
+/// The least and the greatest finite value.
+pub(super) fn span(values: &mut dyn Iterator<Item = f32>) -> [f64; 2] {
+    values
+        .filter(|x| x.is_finite())
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(f64::from(x)), high.max(f64::from(x))])
 }
 
 /// The disparity map of a view.
@@ -111,26 +113,33 @@ impl Line {
     }
 }
 
-/// A map whose nearer surfaces are a pixel wider: pixels that their edges cross show both surfaces, and move with the nearer.
-fn widened(map: ArrayView2<'_, f32>, [rows, columns]: [usize; 2]) -> Result<Vec<f32>, Error> {
-    let mut wide = filled("a disparity map", rows * columns, 0.0f32)?;
-    wide.par_chunks_mut(columns).enumerate().for_each(|(row, pixels)| {
-        for (column, pixel) in pixels.iter_mut().enumerate() {
-            let own = map[[row, column]];
-            let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
-            let nearest = near(row, rows)
-                .flat_map(|row| near(column, columns).map(move |column| map[[row, column]]))
-                .fold(own, f32::max);
-            *pixel = if nearest - own > STEP_PX { nearest } else { own };
-        }
-    });
-    Ok(wide)
-}
-
 /// The square between four pixels, by its first row and column.
 type Cell = [isize; 2];
 
 impl Surface {
+    /// The surface of a map whose nearer surfaces are a pixel wider: pixels that their edges cross show both surfaces, and move with
+    /// the nearer.
+    pub fn widened(map: ArrayView2<'_, f32>) -> Result<Self, Error> {
+        let (rows, columns) = map.dim();
+        let mut wide = filled("a disparity map", rows * columns, 0.0f32)?;
+        wide.par_chunks_mut(columns).enumerate().for_each(|(row, pixels)| {
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                let own = map[[row, column]];
+                let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
+                let nearest = near(row, rows)
+                    .flat_map(|row| near(column, columns).map(move |column| map[[row, column]]))
+                    .fold(own, f32::max);
+                *pixel = if nearest - own > STEP_PX { nearest } else { own };
+            }
+        });
+        Ok(Self { map: wide, size: [rows, columns] })
+    }
+
+    /// Its disparities, row by row.
+    pub fn into_map(self) -> Vec<f32> {
+        self.map
+    }
+
     /// The disparity of a pixel.
     pub fn of_pixel(&self, row: usize, column: usize) -> f32 {
         self.map[row * self.size[1] + column]
@@ -158,8 +167,10 @@ impl Surface {
     /// The greatest disparity at which a line meets the surface from the front.
     pub fn meets(&self, line: &Line, range_px: [f64; 2]) -> Option<f64> {
         if line.step == [0.0; 2] {
-            let disparity_px = f64::from(self.of_pixel(line.from[0] as usize, line.from[1] as usize));
-            return disparity_px.is_finite().then_some(disparity_px);
+            let [row, column] = [0, 1].map(|axis| line.from[axis].round());
+            let is_inside = row >= 0.0 && row < self.size[0] as f64 && column >= 0.0 && column < self.size[1] as f64;
+            let disparity_px = is_inside.then(|| f64::from(self.of_pixel(row as usize, column as usize)));
+            return disparity_px.filter(|x| x.is_finite());
         }
         let [low_px, high_px] = self.crossed(line, [range_px[0] - MEETS_PX, range_px[1] + MEETS_PX])?;
         let start = line.at(high_px);

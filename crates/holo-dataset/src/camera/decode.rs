@@ -1,4 +1,4 @@
-//! From the raw image of an unfocused plenoptic camera to a folder of views.
+//! From the raw image of a plenoptic camera to a folder of views.
 
 use std::path::{Path, PathBuf};
 
@@ -33,7 +33,9 @@ pub struct DecodeJob {
     pub white: Option<PathBuf>,
     /// The camera.
     pub camera: CameraFile,
-    /// Views an axis; `None`: as many as are fully lit.
+    /// Of a focused camera: the depth of the pixels of the raw image, m; `None`: an estimate.
+    pub depth: Option<PathBuf>,
+    /// Views an axis; `None`: as many as are fully lit, of a focused camera five.
     pub views: Option<usize>,
     /// The scene, for ground truth of the central view.
     pub scene: Option<SceneSource>,
@@ -49,7 +51,16 @@ impl DecodeJob {
     pub fn new(raw: PathBuf, camera: CameraFile) -> Self {
         let mut settings = RenderSettings::default();
         settings.output.bit_depth = 16;
-        Self { raw, white: None, camera, views: None, scene: None, settings, engine: EngineSettings::default() }
+        Self {
+            raw,
+            white: None,
+            camera,
+            depth: None,
+            views: None,
+            scene: None,
+            settings,
+            engine: EngineSettings::default(),
+        }
     }
 
     /// Checks that the folder `out` holds no other image: it has no manifest, or one of the same images, camera and scene.
@@ -73,6 +84,9 @@ impl DecodeJob {
         if let Some(white) = &self.white {
             set("white_sha256", hash_file(white)?.sha256.to_string().into());
         }
+        if let Some(depth) = &self.depth {
+            set("depth_sha256", hash_file(depth)?.sha256.to_string().into());
+        }
         if let Some(views) = self.views {
             set("decoded-views", views.into());
         }
@@ -85,7 +99,7 @@ impl DecodeJob {
     /// Whether an input lies in a folder whose files will be replaced.
     fn check_inputs(&self, out: &Path) -> Result<(), Error> {
         let replaced = out.join(dataset::MANIFEST_JSON).is_file().then(|| std::fs::canonicalize(out).ok()).flatten();
-        for path in std::iter::once(&self.raw).chain(&self.white) {
+        for path in std::iter::once(&self.raw).chain(&self.white).chain(&self.depth) {
             let folder = std::fs::canonicalize(path).ok().and_then(|path| path.parent().map(Path::to_path_buf));
             if folder.is_some() && folder == replaced {
                 let (path, out) = (path.display(), out.display());
@@ -127,7 +141,13 @@ impl DecodeJob {
             }
             None => lit_white_image(&self.camera)?,
         };
-        let decoded = camera.decode(raw.view(), white.view(), count)?;
+        let decoded = match &self.depth {
+            None => camera.decode(raw.view(), white.view(), count)?,
+            Some(depth) => {
+                let depth_m = holo_io::read_pfm_gray(depth, &holo_io::Limits::default())?;
+                camera.decode_along(raw.view(), white.view(), count, depth_m.view())?
+            }
+        };
         drop(raw);
         let mut folder = OutputFolder::create(out, rollback, diagnostics)?;
         let central = self.truth(&decoded, diagnostics)?;

@@ -64,8 +64,11 @@ pub fn camera_optics(camera: &PlenopticCamera, depths_m: &[f64]) -> Result<Vec<N
     row("airy_radius_px", "radius of the Airy disc at 550 nm", Number(airy_m / pixel_m), "px");
     let is_unfocused = camera.mode(0) == PlenopticMode::Unfocused;
     let views = camera.equivalent_views();
+    if camera.has_rendered_views() {
+        row("views", "views along each axis", Count(camera.decodable_views()?), "");
+    }
     if is_unfocused {
-        if let Ok(views) = camera.decodable_views() {
+        if let Some(views) = camera.decodable_views().ok().filter(|_| !camera.has_rendered_views()) {
             row("views", "views along each axis that are fully lit", Count(views), "");
         }
         row("baseline_mm", "baseline (between the views of neighboring pixels)", mm(views.baseline_m), "mm");

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use holo_core::GridSize;
+use holo_core::{CameraJitter, GridSize};
 use holo_io::{ArrayCamera, CameraArray};
 use holo_scene::Transform;
 
@@ -71,6 +71,7 @@ impl Placement {
                 axes_and_position: [x, y, z, pose.translation],
                 focal_px: self.focal_px,
                 size: Some(self.size),
+                ..ArrayCamera::default()
             }
         };
         Ok(CameraArray { cameras: poses.into_iter().enumerate().map(camera).collect() })
@@ -147,6 +148,24 @@ impl Placement {
         };
         (0..count).map(place).collect()
     }
+}
+
+/// Lets cameras deviate from what was meant. What they are, the list says afterwards.
+///
+/// # Errors
+/// [`Error::BadRequest`] if a number of the jitter is negative or not finite.
+pub fn jittered(mut array: CameraArray, jitter: &CameraJitter, seed: u64) -> Result<CameraArray, Error> {
+    for (k, camera) in array.cameras.iter_mut().enumerate() {
+        let deviation =
+            jitter.deviation(seed, k as u64).map_err(|why| Error::BadRequest(format!("camera placement: {why}")))?;
+        let [x, y, z, position] = camera.axes_and_position;
+        let ([x, y, z], position) = deviation.moved([x, y, z], position);
+        camera.axes_and_position = [x, y, z, position];
+        camera.focal_px *= deviation.focal;
+        camera.gain = std::array::from_fn(|channel| camera.gain[channel] * deviation.gain[channel]);
+        camera.time_s += deviation.time_s;
+    }
+    Ok(array)
 }
 
 /// The position of entry `k` of `count` from their middle.

@@ -215,6 +215,7 @@ mod tests {
             axes_and_position: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, 0.3, 1.2]],
             focal_px: 14.0,
             size: Some(GridSize::new(8, 12)),
+            ..holo_io::ArrayCamera::default()
         };
         let cameras = holo_io::CameraArray { cameras: vec![camera("left", -0.1), camera("right", 0.1)] };
         let (pixels, focus) = (Pixels::OfPoses, crate::Focus::Meters(1.0));

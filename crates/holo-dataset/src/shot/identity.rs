@@ -70,6 +70,10 @@ pub(crate) fn poses_digest(array: &CameraArray) -> Sha256 {
         let numbers = camera.axes_and_position.as_flattened().iter().chain([&camera.focal_px]);
         // -0 is 0.
         bytes.extend(numbers.flat_map(|number| (number + 0.0).to_bits().to_le_bytes()));
+        if camera.gain != [1.0; 3] || camera.time_s != 0.0 {
+            bytes.extend(b"gain, time");
+            bytes.extend(camera.gain.iter().chain([&camera.time_s]).flat_map(|x| (x + 0.0).to_bits().to_le_bytes()));
+        }
     }
     Sha256::of(&bytes)
 }

@@ -9,7 +9,7 @@
 //! | `manifest.json` | settings, exposure and digests |
 //!
 //! Every camera has an acceleration structure in its own frame, so that depth is exact wherever it stands. Cameras far
-//! apart share no light. All of them share one checkpoint, from which an interrupted job continues.
+//! apart share no light. A camera may have a gain of its own, and see the scene later than the others. All of them share one checkpoint, from which an interrupted job continues.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -88,6 +88,17 @@ fn images(
     let (mut threads, mut why, mut used, mut has_color) = (0, String::new(), setup.wanted.integrator, false);
     let (mut libraries, planned) = (BTreeMap::new(), identity.clone());
     for (k, &pose) in mine.iter().enumerate() {
+        let camera = &array.cameras[pose];
+        // A camera that sees the scene at another time has a scene of its own.
+        let later = match camera.time_s {
+            0.0 => None,
+            time_s => Some(setup.stage_later(time_s, options.diagnostics)?),
+        };
+        let later_world = match &later {
+            Some(later) => Some(later.world(setup.source, &settings.light.sky, setup.engine)?),
+            None => None,
+        };
+        let (stage, world) = (later.as_ref().unwrap_or(stage), later_world.as_ref().unwrap_or(world));
         let prepared = setup.prepare(stage, world, pose, options.diagnostics)?;
         seconds.build += prepared.build_seconds;
         identity = engine::built_with(identity, &prepared.renderer, options.diagnostics);
@@ -95,7 +106,7 @@ fn images(
         let progress = PartProgress { inner: options.progress, k, of: mine.len() };
         let request = trace::request(setup, &prepared, None)?;
         // The checkpoint is of the backend of the job.
-        let rendered = match keeper.filter(|_| identity == planned) {
+        let mut rendered = match keeper.filter(|_| identity == planned) {
             Some(all) => {
                 let keeper = ImageKeeper { all, image: (pose, array.cameras.len()), turn: (k, mine.len()) };
                 prepared.renderer.render_with_checkpoint(&request, &progress, &keeper)?
@@ -103,6 +114,7 @@ fn images(
             None => prepared.renderer.render(&request, &progress)?,
         };
         seconds.render += rendering.elapsed().as_secs_f64();
+        multiply(&mut rendered, camera.gain);
         (rays, samples, threads) = (rays + rendered.rays, samples + rendered.samples, prepared.renderer.threads());
         if k == 0 && rendered.color.is_none() && setup.wanted.integrator == Integrator::Auto {
             let note = "note: the scene has no light sources, so there is no color, only ground truth; try `sky auto`";
@@ -111,7 +123,7 @@ fn images(
         (has_color, used) = (has_color || rendered.color.is_some(), rendered.integrator);
         why.clone_from(&rendered.why);
         exposure = exposure.or_else(|| prepared.renderer.install(|| exposure_ev(settings.output.exposure, &rendered)));
-        let (name, bits) = (&array.cameras[pose].name, settings.output.bit_depth);
+        let (name, bits) = (&camera.name, settings.output.bit_depth);
         let writing = Instant::now();
         prepared.renderer.install(|| write(&mut folder, name, &rendered, (exposure, bits), setup.wanted))?;
         seconds.write += writing.elapsed().as_secs_f64();
@@ -145,6 +157,15 @@ fn images(
         files,
         warnings: Vec::new(),
     })
+}
+
+/// Multiplies the light of an image by the gain of its camera.
+fn multiply(rendered: &mut Rendered, gain: [f64; 3]) {
+    if let Some(color) = rendered.color.as_mut().filter(|_| gain != [1.0; 3]) {
+        for mut pixel in color.samples_mut().rows_mut() {
+            pixel.iter_mut().zip(gain).for_each(|(light, gain)| *light = (f64::from(*light) * gain) as f32);
+        }
+    }
 }
 
 /// Writes the files of one camera.

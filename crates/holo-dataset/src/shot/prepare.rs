@@ -75,8 +75,19 @@ impl Stage {
         engine: &EngineSettings,
         diagnostics: &dyn Diagnostics,
     ) -> Result<Self, Error> {
+        Self::load_later(source, (scene, 0.0), sky, engine, diagnostics)
+    }
+
+    /// As [`load`](Self::load), so many seconds after the frame.
+    fn load_later(
+        source: &SceneSource,
+        at: (&SceneSettings, f64),
+        sky: Option<&Sky>,
+        engine: &EngineSettings,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<Self, Error> {
         let start = Instant::now();
-        let (mut loaded, attempt) = load(source, scene, engine, diagnostics)?;
+        let (mut loaded, attempt) = load(source, at, engine, diagnostics)?;
         let has_automatic_sky = sky.map_or(Ok(false), |wanted| sky::add(wanted, &mut loaded.scene, diagnostics))?;
         Ok(Self { loaded, has_automatic_sky, attempt, load_seconds: start.elapsed().as_secs_f64() })
     }
@@ -121,6 +132,13 @@ impl Setup<'_> {
         }
         for camera in &array.cameras {
             pose_of(camera)?;
+            if !matches!(settings.camera, Camera::Pinhole) && (camera.gain != [1.0; 3] || camera.time_s != 0.0) {
+                return Err(Error::BadRequest(format!(
+                    "camera '{}' has a gain or a time of its own (`gain`, `time_s`), which cameras of one image can have; a light \
+                     field or a raw image at its pose cannot: remove them from the file of `transforms`",
+                    holo_core::visible(&camera.name)
+                )));
+            }
             match &settings.camera {
                 Camera::Rig(rig) => validate_memory(&shape(rig, Some(camera), &())?, settings, self.wanted)?,
                 Camera::Pinhole if camera.size.is_none() => return Err(without_size(camera)),
@@ -132,9 +150,15 @@ impl Setup<'_> {
 
     /// Loads the scene at a frame.
     pub fn stage(&self, diagnostics: &dyn Diagnostics) -> Result<Stage, Error> {
+        self.stage_later(0.0, diagnostics)
+    }
+
+    /// Loads the scene so many seconds after the frame.
+    pub fn stage_later(&self, later_s: f64, diagnostics: &dyn Diagnostics) -> Result<Stage, Error> {
         let light = &self.settings.light;
         let sees_light = light.sky != Sky::Automatic || self.wanted.integrator != holo_render::Integrator::Depth;
-        Stage::load(self.source, &self.settings.scene, sees_light.then_some(&light.sky), self.engine, diagnostics)
+        let at = (&self.settings.scene, later_s);
+        Stage::load_later(self.source, at, sees_light.then_some(&light.sky), self.engine, diagnostics)
     }
 
     /// Prepares the camera at the pose of this number; of a job without poses at that of the scene's camera.
@@ -251,7 +275,7 @@ impl Setup<'_> {
     pub fn next_frame(&self, frame: u32, rig: &Rig, pose: usize) -> Result<(Scene, Transform, Rig), Error> {
         let mut scene = self.settings.scene.clone();
         scene.frames = Some(crate::settings::Frames::one(frame));
-        let (loaded, attempt) = load(self.source, &scene, self.engine, &())?;
+        let (loaded, attempt) = load(self.source, (&scene, 0.0), self.engine, &())?;
         let stage = Stage { loaded, has_automatic_sky: false, attempt, load_seconds: 0.0 };
         let Placed::Views(framed) = self.place(&stage, pose, &())? else {
             return Err(Error::BadRequest("motion is of views, and a raw image has none".into()));
@@ -320,7 +344,7 @@ impl SceneSource {
 /// Loads a scene and reports its warnings; with the number of the attempt of one that is drawn.
 fn load(
     source: &SceneSource,
-    scene: &SceneSettings,
+    (scene, later_s): (&SceneSettings, f64),
     engine: &EngineSettings,
     diagnostics: &dyn Diagnostics,
 ) -> Result<(Loaded, Option<u64>), Error> {
@@ -336,7 +360,7 @@ fn load(
             let (scene, attempt) = drawing.draw(engine)?;
             (Loaded::from(scene), Some(attempt))
         }
-        other => (other.load(scene).map_err(loaded)?, None),
+        other => (other.load_later(scene, later_s).map_err(loaded)?, None),
     };
     loaded.warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
     if scene.ground {

@@ -159,10 +159,15 @@ impl SceneSource {
     /// # Errors
     /// An error of `holo-scene` if the file cannot be read, is not valid glTF, or does not have the material variant.
     pub fn load(&self, settings: &SceneSettings) -> Result<Loaded, holo_scene::Error> {
+        self.load_later(settings, 0.0)
+    }
+
+    /// As [`load`](Self::load), so many seconds after the frame; without a frame, after the start of the animation.
+    pub(super) fn load_later(&self, settings: &SceneSettings, later_s: f64) -> Result<Loaded, holo_scene::Error> {
         match self {
-            Self::File(path) => gltf::load_with(path, &settings.load_options()),
-            Self::Gallery(_, glb) => gltf::load_slice_with(glb, &settings.times()),
-            Self::Memory(_, glb) => gltf::load_slice_with(glb, &settings.load_options()),
+            Self::File(path) => gltf::load_with(path, &settings.load_options(later_s)),
+            Self::Gallery(_, glb) => gltf::load_slice_with(glb, &settings.times(later_s)),
+            Self::Memory(_, glb) => gltf::load_slice_with(glb, &settings.load_options(later_s)),
             Self::Recipe(drawing) => match drawing.draw(&EngineSettings::default()) {
                 Ok((scene, _)) => Ok(scene.into()),
                 Err(why) => Err(holo_scene::Error::BadScene { at: drawing.name.clone(), what: why.to_string() }),
@@ -185,15 +190,16 @@ impl SceneSettings {
     }
 
     /// The options that concern time alone.
-    fn times(&self) -> LoadOptions {
+    fn times(&self, later_s: f64) -> LoadOptions {
         let mut options = LoadOptions::default();
-        options.time_s = self.frames.map(|frames| self.seconds_of(frames.first));
+        let frame_s = self.frames.map(|frames| self.seconds_of(frames.first));
+        options.time_s = if later_s == 0.0 { frame_s } else { Some(frame_s.unwrap_or(0.0) + later_s) };
         options.animation.clone_from(&self.animation);
         options
     }
 
-    fn load_options(&self) -> LoadOptions {
-        let mut options = self.times();
+    fn load_options(&self, later_s: f64) -> LoadOptions {
+        let mut options = self.times(later_s);
         options.light_units = self.light_units;
         options.solid_glass = self.solid_glass;
         options.material_variant.clone_from(&self.material_variant);

@@ -52,7 +52,7 @@ fn middle(scene: &Scene) -> Option<[f64; 3]> {
 }
 
 /// The pose at `eye` that looks at `target`.
-fn looking(eye: [f64; 3], target: [f64; 3], up: Option<Point>) -> Result<Transform, Error> {
+pub(crate) fn looking(eye: [f64; 3], target: [f64; 3], up: Option<Point>) -> Result<Transform, Error> {
     let Point(up) = up.unwrap_or(Point([0.0, 1.0, 0.0]));
     // Of three right angles nothing is left if two of the directions are one.
     match Transform::look_at(eye, target, up).to_pose() {

@@ -171,6 +171,7 @@ fn pinhole_cameras_continue_to_the_same_bytes() {
         axes_and_position: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1 * k as f64, 0.3, 1.2]],
         focal_px: 60.0,
         size: Some(GridSize::new(36, 45)),
+        ..ArrayCamera::default()
     };
     let mut settings = RenderSettings::default();
     settings.camera = Camera::Pinhole;

@@ -91,6 +91,7 @@ fn poses() -> Poses {
         axes_and_position: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, 0.3, 1.2]],
         focal_px: 14.0,
         size: Some(GridSize::new(8, 12)),
+        ..ArrayCamera::default()
     };
     Poses::Array { cameras: CameraArray { cameras: vec![camera("left", -0.1), camera("right", 0.1)] }, up: WorldUp::Y }
 }

@@ -1,4 +1,4 @@
-//! The views of the raw image of an unfocused plenoptic camera.
+//! The views of the raw image of a plenoptic camera.
 
 use std::path::Path;
 

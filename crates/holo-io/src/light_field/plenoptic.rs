@@ -34,8 +34,6 @@ pub(super) fn open(image: &Path, file: CameraFile, options: &ReadOptions) -> Res
         )));
     }
     let impossible = |error: holo_core::Error| nothing(error.to_string());
-    // Before the number of views, which a focused camera lacks for another reason.
-    file.camera.require_unfocused().map_err(impossible)?;
     let views = match options.views {
         None => file.camera.decodable_views().map_err(impossible)?,
         Some(views) if views.rows == views.columns => views.rows,

@@ -340,9 +340,12 @@ fn what_is_wrong_with_a_plenoptic_folder_is_said() {
         error.to_string()
     };
     write_color(&raw_exr, &raw());
-    // Microlenses that are focused far from the array.
-    fs::write(&camera, CAMERA.replace("gap_um = 400.0", "gap_um = 400.0\nfocal_um = [500.0]")).unwrap();
-    assert!(said().contains("a focused camera has no views"), "{}", said());
+    // Microlenses that are focused far from the array, with micro-images of two pixels.
+    let narrow = CAMERA
+        .replace("gap_um = 400.0", "gap_um = 400.0\nfocal_um = [500.0]")
+        .replace("pixel_um = 5.0", "pixel_um = 30.0");
+    fs::write(&camera, narrow).unwrap();
+    assert!(said().contains("at least 4, to render views"), "{}", said());
     assert_eq!(read_rig(folder.path(), &Limits::default()).unwrap(), None);
     fs::write(&camera, CAMERA.replace("[120, 90]", "[120, 91]")).unwrap();
     assert!(said().contains("it has 120x90 pixels, but the sensor of the camera 'small'"), "{}", said());

@@ -20,6 +20,7 @@ from . import _embree
 _embree.find()
 
 from ._holo import PlenopticCamera, Rig, __version__  # noqa: E402
+from .camera_array import CameraArray, Pinhole, SynthesizedImage  # noqa: E402
 from .dataset import Dataset, Job  # noqa: E402
 from .errors import Error, HoloWarning, OutOfMemoryError, UsageError  # noqa: E402
 from .exporting import export, export_targets  # noqa: E402
@@ -42,6 +43,7 @@ from .rendering import Pose, RawRendering, Rendering, render, render_raw, render
 from .scene import Mesh, Scene  # noqa: E402
 
 __all__ = [
+    "CameraArray",
     "Dataset",
     "Calibration",
     "Decoded",
@@ -51,12 +53,14 @@ __all__ = [
     "LightField",
     "Mesh",
     "OutOfMemoryError",
+    "Pinhole",
     "PlenopticCamera",
     "Pose",
     "RawRendering",
     "Rendering",
     "Rig",
     "Scene",
+    "SynthesizedImage",
     "UsageError",
     "__version__",
     "compare",

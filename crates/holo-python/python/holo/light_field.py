@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
 from typing import Any, Literal, NamedTuple, overload
@@ -221,13 +222,15 @@ class LightField:
         *,
         distance_m: float | None = None,
         slope: float | None = None,
+        tilt_deg: tuple[float, float] = (0.0, 0.0),
         aperture: str = "all",
         kernel: str = "cubic",
     ) -> np.ndarray:
         """An image that is sharp at one disparity, depth or slope, or everywhere: shift and sum in linear light.
 
         disparity: pixels between adjacent views; a map with the axes (row, column) gives an image sharp everywhere.
-        distance_m: depth in meters, which needs a rig. slope: that of LFToolbox.
+        distance_m: depth in meters, which needs a rig. tilt_deg: its plane is tilted; the right side moves away by the first angle,
+        the upper side by the second. slope: that of LFToolbox.
         aperture: "all", or "disc:D", "square:D", "gaussian:D" with D in views. kernel: "cubic" or "bilinear".
 
         Returns float32, axes (row, column, channel).
@@ -238,18 +241,15 @@ class LightField:
         if distance_m is not None:
             if self.rig is None:
                 raise UsageError("the rig is unknown, so a distance in meters has no meaning; give disparity=")
-            disparity = self.rig.disparity_from_depth(float(distance_m))
+        elif any(tilt_deg):
+            raise UsageError("tilt_deg= tilts the plane of distance_m=; give that too")
         is_map = disparity is not None and np.ndim(disparity) > 0
-        shape, _, size = aperture.partition(":")
-        try:
-            extent = float(size or 0)
-        except ValueError:
-            raise UsageError(f"aperture={aperture!r}: give all, disc:D, square:D or gaussian:D") from None
         request = {
             "disparity_px": float(disparity) if disparity is not None and not is_map else None,
             "slope": slope,
             "map": np.asarray(disparity, dtype=np.float32) if is_map else None,
-            "aperture": (shape, extent),
+            "plane": None if distance_m is None else (float(distance_m), *map(math.radians, tilt_deg), self.rig),
+            "aperture": aperture,
             "kernel": kernel,
             "baseline_ratio": self._baseline_ratio(),
         }

@@ -84,15 +84,22 @@ def calibration_benchmark(
 
 
 def decode(
-    raw: np.ndarray, camera: PlenopticCamera, *, white: np.ndarray | None = None, views: int | None = None
+    raw: np.ndarray,
+    camera: PlenopticCamera,
+    *,
+    white: np.ndarray | None = None,
+    views: int | None = None,
+    depth: np.ndarray | None = None,
 ) -> Decoded:
-    """Decodes the raw image of an unfocused plenoptic camera to views.
+    """Decodes the raw image of a plenoptic camera to views. From micro-images of a focused one they are rendered along its depth.
 
     raw: linear, axes (row, column, channel), of the size of the sensor. white: a white image, axes (row, column); by default
-    that of the camera. views: the views an axis; by default those whose pixels are lit in every micro-image.
+    that of the camera. views: the views an axis; by default those whose pixels are lit in every micro-image, of a focused camera
+    five. depth: of a focused camera, that of every pixel of the raw image in meters, axes (row, column); by default it is estimated.
     """
     white = None if white is None else np.asarray(white, dtype=np.float32)
-    field, weight, rig, roll = camera.decode_arrays(np.asarray(raw, dtype=np.float32), white, views)
+    depth = None if depth is None else np.asarray(depth, dtype=np.float32)
+    field, weight, rig, roll = camera.decode_arrays(np.asarray(raw, dtype=np.float32), white, views, depth)
     return Decoded(LightField(field, rig, is_srgb=False), weight[..., 0], roll)
 
 

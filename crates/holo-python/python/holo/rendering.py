@@ -130,11 +130,13 @@ class RawRendering:
             raise UsageError('integrator="depth" renders no color; use layers')
         return self.color
 
-    def decode(self, white: np.ndarray | None = None, *, views: int | None = None) -> Decoded:
+    def decode(
+        self, white: np.ndarray | None = None, *, views: int | None = None, depth: np.ndarray | None = None
+    ) -> Decoded:
         """The views of the raw image; see `holo.decode`."""
         from .plenoptic import decode
 
-        return decode(self.image, self.camera, white=white, views=views)
+        return decode(self.image, self.camera, white=white, views=views, depth=depth)
 
     def __repr__(self) -> str:
         return f"<RawRendering of {self.camera!r}, layers {', '.join(self.layers)}>"

@@ -1,6 +1,6 @@
 //! Planes of known depth are sharpest at their own disparity.
 
-use holo_core::refocus::{Kernel, Refocus};
+use holo_core::refocus::{FocalPlane, Kernel, Refocus};
 use holo_core::{GridSize, LightField, LightFieldShape, Rig};
 use ndarray::{Array2, Array3, Array5, ArrayView3};
 
@@ -112,4 +112,54 @@ fn a_wall_in_focus_agrees_with_the_reference_view() {
             }
         }
     }
+}
+
+/// A tilted wall is sharp as a whole on its own plane, for other baselines along the axes and references between views; the plane
+/// perpendicular to the axis through its middle is not.
+#[test]
+fn a_tilted_wall_is_sharp_on_its_plane() {
+    let rig = rig((8, 9), (0.02, 0.03));
+    let (right, up) = (0.9_f64, -0.6_f64);
+    let distance_m = 3.0;
+    // Where a ray meets the wall: depth = distance + x tan(right) + y tan(up).
+    let met = |origin: [f64; 3], direction: [f64; 3]| {
+        let slope = |v: [f64; 3]| v[0] * right.tan() + v[1] * up.tan();
+        let depth = (distance_m + slope(origin)) / (1.0 - slope(direction));
+        [origin[0] + depth * direction[0], origin[1] + depth * direction[1]]
+    };
+    // In the plane's own coordinates it would be stretched: painted along x and y, waves are short where it is far.
+    let color = |[x, y]: [f64; 2]| 127.5 + 60.0 * (30.0 * x + 1.0).sin() + 60.0 * (28.0 * y - 9.0 * x).cos();
+    let samples = Array5::from_shape_fn(rig.shape().array_shape(1), |(v, u, t, s, _)| {
+        let ray = rig.ray(v, u, t, s, 0.5, 0.5);
+        color(met(ray.origin_m, ray.direction)).round() as u8
+    });
+    let field = LightField::new(samples).unwrap();
+    let plane = FocalPlane::new(distance_m).and_then(|plane| plane.tilted(right, up)).unwrap();
+    for reference in [(4.0, 4.0), (3.5, 4.0), (2.25, 5.75)] {
+        let refocus = Refocus::new(rig.shape().views()).unwrap().reference(reference.0, reference.1).unwrap();
+        // The ray of the reference view, between those of the views around it.
+        let ray = |v: usize, u: usize| {
+            let [t, s] = [reference.0.floor() as usize, reference.1.floor() as usize];
+            let [one, other] = [(t, s), (t + 1, s + 1)].map(|(t, s)| rig.ray(v, u, t, s, 0.5, 0.5));
+            let between = |one: [f64; 3], other: [f64; 3]| {
+                let part = [reference.1.fract(), reference.0.fract()];
+                [0, 1, 2].map(|k| one[k] + part.get(k).map_or(0.0, |part| part * (other[k] - one[k])))
+            };
+            (between(one.origin_m, other.origin_m), between(one.direction, other.direction))
+        };
+        let deviation = |image: &Array3<f32>| {
+            let inside = || (14..50).flat_map(|v| (14..66).map(move |u| (v, u)));
+            let error = |(v, u): (usize, usize)| {
+                let (origin, direction) = ray(v, u);
+                f64::from(image[[v, u, 0]]) - color(met(origin, direction))
+            };
+            (inside().map(|at| error(at).powi(2)).sum::<f64>() / inside().count() as f64).sqrt()
+        };
+        let sharp = deviation(&refocus.at_plane(&field, &rig, plane).unwrap());
+        let straight = deviation(&refocus.at_plane(&field, &rig, FocalPlane::new(distance_m).unwrap()).unwrap());
+        assert!(sharp < 1.0 && straight > 10.0 * sharp, "{reference:?}: {sharp} and {straight} codes");
+    }
+    let straight = FocalPlane::new(2.0).unwrap();
+    let refocus = Refocus::new(rig.shape().views()).unwrap();
+    assert_eq!(refocus.at_plane(&field, &rig, straight).unwrap(), refocus.at_distance_m(&field, &rig, 2.0).unwrap());
 }

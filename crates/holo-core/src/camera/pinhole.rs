@@ -1,0 +1,224 @@
+//! A pinhole camera anywhere in the world.
+
+use crate::error::positive;
+use crate::{Error, GridSize};
+
+/// How far the axes of a camera may be from a right-handed frame of unit vectors: numbers of files are rounded.
+const FRAME_TOLERANCE: f64 = 1e-4;
+
+/// A pinhole camera anywhere in the world: square pixels, and the principal point in the middle of the image.
+///
+/// # Units
+///
+/// Meters. Places in its image are (row, column) from 0, whole in the middle of a pixel. Depth is planar: along the optical axis.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::{GridSize, Pinhole};
+///
+/// // 3 m before the origin, towards it.
+/// let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let camera = Pinhole::new(axes, [0.0, 0.0, 3.0], 100.0, GridSize::new(11, 21))?;
+/// // A point 0.3 m to the right and 1 m nearer is 15 pixels to the right of the middle.
+/// assert_eq!(camera.place_of([0.3, 0.0, 1.0]), Some(([5.0, 25.0], 2.0)));
+/// # Ok::<(), holo_core::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pinhole {
+    axes: [[f64; 3]; 3],
+    position_m: [f64; 3],
+    focal_px: f64,
+    size: GridSize,
+}
+
+impl Pinhole {
+    /// Returns the camera with the axes +X (right), +Y (up) and +Z (back) in the world. Errors of axes up to 1e-4 are removed such
+    /// that the directions back and up stay.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if the axes are no right-handed frame of unit vectors, the position is not finite, or the focal length
+    /// is not finite and above 0; [`Error::ZeroCount`] without pixels.
+    pub fn new(axes: [[f64; 3]; 3], position_m: [f64; 3], focal_px: f64, size: GridSize) -> Result<Self, Error> {
+        let focal_px = positive("focal length in pixels", focal_px)?;
+        if size.count() == 0 {
+            return Err(Error::ZeroCount { what: "pixels of a camera" });
+        }
+        if let Some(&value) = position_m.iter().find(|x| !x.is_finite()) {
+            return Err(Error::BadNumber { what: "position of a camera in meters", value, need: "finite" });
+        }
+        let back = unit(axes[2]);
+        let along = dot(axes[1], back);
+        let up = unit(std::array::from_fn(|k| axes[1][k] - along * back[k]));
+        let frame = [cross(up, back), up, back];
+        let pairs = frame.as_flattened().iter().zip(axes.as_flattened());
+        let error =
+            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, |most: f64, x| if x > most || x.is_nan() { x } else { most });
+        if error <= FRAME_TOLERANCE {
+            return Ok(Self { axes: frame, position_m, focal_px, size });
+        }
+        let need = "at most 1e-4: right-handed, without scale";
+        Err(Error::BadNumber { what: "deviation of the axes of a camera from a rotation", value: error, need })
+    }
+
+    /// The axes +X (right), +Y (up) and +Z (back), each of length 1.
+    #[must_use]
+    pub const fn axes(&self) -> [[f64; 3]; 3] {
+        self.axes
+    }
+
+    /// Where it stands, m.
+    #[must_use]
+    pub const fn position_m(&self) -> [f64; 3] {
+        self.position_m
+    }
+
+    /// The focal length, px.
+    #[must_use]
+    pub const fn focal_px(&self) -> f64 {
+        self.focal_px
+    }
+
+    /// Rows and columns of its image.
+    #[must_use]
+    pub const fn size(&self) -> GridSize {
+        self.size
+    }
+
+    /// The same camera with other pixels and another focal length.
+    ///
+    /// # Errors
+    ///
+    /// As [`Pinhole::new`].
+    pub fn with_image(self, focal_px: f64, size: GridSize) -> Result<Self, Error> {
+        Self::new(self.axes, self.position_m, focal_px, size)
+    }
+
+    /// The way of the light of a place of the image, in the world, per meter of depth.
+    #[must_use]
+    pub fn direction(&self, place: [f64; 2]) -> [f64; 3] {
+        let [x, y] = self.slopes(place);
+        let [right, up, back] = self.axes;
+        std::array::from_fn(|k| x * right[k] + y * up[k] - back[k])
+    }
+
+    /// The place of the image of a point, which may lie outside of the image, and its depth in meters; `None` if it is not in front
+    /// of the camera.
+    #[must_use]
+    pub fn place_of(&self, point_m: [f64; 3]) -> Option<([f64; 2], f64)> {
+        let [x, y, depth_m] = self.seen(std::array::from_fn(|k| point_m[k] - self.position_m[k]));
+        (depth_m > 0.0).then(|| (self.place([x / depth_m, y / depth_m]), depth_m))
+    }
+
+    /// A vector of the world along the right, up and forward.
+    fn seen(&self, vector: [f64; 3]) -> [f64; 3] {
+        let [right, up, back] = self.axes;
+        [dot(vector, right), dot(vector, up), -dot(vector, back)]
+    }
+
+    /// Meters to the right and up per meter of depth.
+    pub(crate) fn slopes(&self, [row, column]: [f64; 2]) -> [f64; 2] {
+        let [middle_row, middle_column] = self.middle();
+        [(column - middle_column) / self.focal_px, (middle_row - row) / self.focal_px]
+    }
+
+    /// The place at which slopes are seen.
+    pub(crate) fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [middle_row, middle_column] = self.middle();
+        [middle_row - y * self.focal_px, middle_column + x * self.focal_px]
+    }
+
+    fn middle(&self) -> [f64; 2] {
+        [(self.size.rows - 1) as f64 / 2.0, (self.size.columns - 1) as f64 / 2.0]
+    }
+}
+
+/// Where a camera sees the points of another one.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Relative {
+    /// The position of the other one, along right, up and forward.
+    pub origin_m: [f64; 3],
+    /// Its axes right, up and forward, along them.
+    axes: [[f64; 3]; 3],
+}
+
+impl Relative {
+    pub fn new(camera: &Pinhole, other: &Pinhole) -> Self {
+        let away = std::array::from_fn(|k| other.position_m[k] - camera.position_m[k]);
+        let [right, up, back] = other.axes;
+        Self { origin_m: camera.seen(away), axes: [right, up, back.map(|x| -x)].map(|axis| camera.seen(axis)) }
+    }
+
+    /// The way of the light that the other one sees at its slopes, per meter of depth there.
+    pub fn direction(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        let [right, up, ahead] = &self.axes;
+        std::array::from_fn(|k| x * right[k] + y * up[k] + ahead[k])
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// NaN without a length.
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let length = dot(v, v).sqrt();
+    v.map(|x| x / length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: GridSize = GridSize::new(6, 9);
+
+    /// A camera turned about all axes.
+    pub(crate) fn turned() -> Pinhole {
+        let (a, b): (f64, f64) = (0.4, -0.7);
+        let back = [a.sin() * b.cos(), b.sin(), a.cos() * b.cos()];
+        let right = unit(cross([0.0, 1.0, 0.0], back));
+        Pinhole::new([right, cross(back, right), back], [1.0, -2.0, 0.5], 12.5, SIZE).expect("a camera")
+    }
+
+    #[test]
+    fn points_on_a_ray_are_seen_at_its_place() {
+        let camera = turned();
+        for place in [[0.0, 0.0], [5.0, 8.0], [2.5, 4.0], [-3.0, 20.25]] {
+            let direction = camera.direction(place);
+            for depth_m in [1e-3, 1.0, 70.0] {
+                let point = std::array::from_fn(|k| camera.position_m()[k] + depth_m * direction[k]);
+                let ([row, column], found_m) = camera.place_of(point).expect("in front");
+                assert!((row - place[0]).abs() < 1e-9 && (column - place[1]).abs() < 1e-9, "{place:?} {row} {column}");
+                assert!((found_m / depth_m - 1.0).abs() < 1e-9);
+            }
+            let behind = std::array::from_fn(|k| camera.position_m()[k] - direction[k]);
+            assert_eq!(camera.place_of(behind), None);
+        }
+    }
+
+    #[test]
+    fn cameras_that_are_none_are_refused() {
+        let good = turned();
+        let with = |axes: [[f64; 3]; 3]| Pinhole::new(axes, [0.0; 3], 1.0, SIZE);
+        let [right, up, back] = good.axes();
+        let rounded = with([right, up.map(|x| (x * 1e5).round() / 1e5), back]).expect("rounded axes");
+        assert!(dot(rounded.axes()[1], rounded.axes()[2]).abs() < 1e-15);
+        for axes in [
+            [right, up, back.map(|x| -x)],
+            [right, up, back.map(|x| 1.01 * x)],
+            [up, right, back],
+            [[0.0; 3]; 3],
+            [right, up, [f64::NAN; 3]],
+        ] {
+            assert!(with(axes).is_err(), "{axes:?}");
+        }
+        assert!(good.with_image(0.0, SIZE).is_err());
+        assert!(good.with_image(1.0, GridSize::new(0, 3)).is_err());
+        assert!(Pinhole::new(good.axes(), [0.0, f64::INFINITY, 0.0], 1.0, SIZE).is_err());
+    }
+}

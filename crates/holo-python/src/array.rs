@@ -1,0 +1,113 @@
+//! The images of cameras anywhere, and what they make together.
+
+use std::path::PathBuf;
+
+use holo_core::Pinhole;
+use holo_core::refocus::{FocalPlane, FocalSurface};
+use holo_dataset::{ArrayViewpoint, synthesize_from_array, synthetic_aperture};
+use holo_io::{ArrayFolder, Limits, WorldUp};
+use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::failure::Failure;
+use crate::images::{KERNELS, aperture};
+use crate::options;
+
+/// A folder with the images of cameras anywhere.
+#[pyclass(module = "holo._holo", frozen)]
+pub struct CameraFolder {
+    array: ArrayFolder,
+}
+
+/// Where a view stands and what it looks at, and what is up in it.
+type Viewpoint = (Option<[f64; 3]>, Option<[f64; 3]>, Option<[f64; 3]>);
+
+/// The axes right, up and back and the position, the focal length in pixels, and rows and columns.
+type Numbers = ([[f64; 3]; 3], [f64; 3], f64, (usize, usize));
+
+/// Where a synthetic aperture is in focus, and which cameras it has.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct ApertureRequest<'py> {
+    distance_m: Option<f64>,
+    tilt_rad: (f64, f64),
+    depth_m: Option<PyReadonlyArray2<'py, f32>>,
+    aperture: String,
+    kernel: String,
+}
+
+/// Axes (row, column, channel), depth and holes (row, column).
+type Synthesized<'py> = (Bound<'py, PyArray3<f32>>, Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<bool>>);
+
+#[pymethods]
+impl CameraFolder {
+    #[new]
+    fn open(py: Python<'_>, folder: PathBuf, up: &str) -> Result<Self, Failure> {
+        let up = options::choice("transforms_up", up, &[("z", WorldUp::Z), ("y", WorldUp::Y)])?;
+        Ok(Self { array: py.detach(|| ArrayFolder::open(folder, up))? })
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.array.cameras().iter().map(|camera| camera.name.clone()).collect()
+    }
+
+    fn camera(&self, k: usize) -> Result<Numbers, Failure> {
+        Ok(numbers(&self.array.pinhole(k)?))
+    }
+
+    /// The camera of a view that stands anywhere.
+    fn view(&self, viewpoint: Viewpoint) -> Result<Numbers, Failure> {
+        Ok(numbers(&placed(viewpoint).camera(&self.array)?))
+    }
+
+    fn image<'py>(&self, py: Python<'py>, k: usize) -> Result<Bound<'py, PyArray3<f32>>, Failure> {
+        Ok(py.detach(|| self.array.image(k, &Limits::default()))?.into_pyarray(py))
+    }
+
+    fn depth<'py>(&self, py: Python<'py>, k: usize) -> Result<Option<Bound<'py, PyArray2<f32>>>, Failure> {
+        Ok(py.detach(|| self.array.depth_m(k, &Limits::default()))?.map(|map| map.into_pyarray(py)))
+    }
+
+    fn refocus<'py>(
+        &self,
+        py: Python<'py>,
+        viewpoint: Viewpoint,
+        request: ApertureRequest<'py>,
+    ) -> Result<Bound<'py, PyArray3<f32>>, Failure> {
+        let shape = aperture(&request.aperture)?;
+        let kernel = options::choice("kernel", &request.kernel, &KERNELS)?;
+        let view = placed(viewpoint).camera(&self.array)?;
+        let map = request.depth_m.as_ref().map(|map| map.as_array());
+        let surface = match (request.distance_m, map) {
+            (_, Some(map)) => FocalSurface::Depth(map),
+            (distance_m, None) => {
+                let (right, up) = request.tilt_rad;
+                let plane =
+                    FocalPlane::new(distance_m.unwrap_or(f64::INFINITY)).and_then(|plane| plane.tilted(right, up))?;
+                FocalSurface::Plane(plane)
+            }
+        };
+        let image = py.detach(|| synthetic_aperture(&self.array, view, shape, kernel, surface))?;
+        Ok(image.into_pyarray(py))
+    }
+
+    fn synthesize<'py>(
+        &self,
+        py: Python<'py>,
+        viewpoint: Viewpoint,
+        kernel: &str,
+    ) -> Result<Synthesized<'py>, Failure> {
+        let kernel = options::choice("kernel", kernel, &KERNELS)?;
+        let view = placed(viewpoint).camera(&self.array)?;
+        let made = py.detach(|| synthesize_from_array(&self.array, &view, kernel))?;
+        Ok((made.image.into_pyarray(py), made.depth_m.into_pyarray(py), made.holes.into_pyarray(py)))
+    }
+}
+
+fn numbers(camera: &Pinhole) -> Numbers {
+    (camera.axes(), camera.position_m(), camera.focal_px(), (camera.size().rows, camera.size().columns))
+}
+
+fn placed((eye, target, up): Viewpoint) -> ArrayViewpoint {
+    ArrayViewpoint { eye, target, up }
+}
