@@ -87,16 +87,30 @@ def array():
             "--jitter-position-m 0.01 --jitter-rotation-deg 1 --jitter-focal 0.02 --jitter-gain 0.15 --jitter-color 0.1 --out"
         )
         subprocess.run([sys.executable, "-m", "holo", *words.split(), folder / "array.json"], check=True)
-        holo.render_to(folder / "array", scene, transforms=folder / "array.json", spp=32, layers=["depth"], exposure=0.0)
+        holo.render_to(folder / "array", scene, transforms=folder / "array.json", spp=16, layers=["depth"], exposure=0.0)
         cameras = holo.CameraArray(folder / "array")
         pose = holo.Pose(eye=(0.02, 0.22, 1.2), target=(0.02, 0.22, 0.0))
+        above = holo.Pose(eye=(0.02, 0.35, 1.2), target=(0.02, 0.0, 0.2))
         images = [
             holo.read_image(folder / "array/images/camera_0031.png"),
-            srgb(cameras.refocus(distance_m=1.95, pose=pose), 0.0),
-            srgb(cameras.refocus(distance_m=1.2, tilt_deg=(0, 75), pose=pose), 0.0),
+            srgb(cameras.refocus(distance_m=1.48, pose=pose), 0.0),
+            srgb(cameras.refocus(distance_m=1.06, tilt_deg=(0, 70.7), pose=above, aperture="disc:0.3"), 0.0),
             srgb(cameras.synthesize(pose).image, 0.0),
         ]
     holo.write_image(OUT / "array.png", row(images, 288))
+
+
+def focused():
+    """The raw image of a focused camera, a part of it, and the view in the middle."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "r12.toml"
+        subprocess.run([sys.executable, "-m", "holo", "camera", "raytrix-r12-a", "--out", path], check=True)
+        text = path.read_text().replace("size_px = [4080, 3068]", "size_px = [1360, 1024]")
+    camera = holo.PlenopticCamera.from_toml(text.replace("mla_distance_mm = 56.6871", "focus_m = 0.85"))
+    raw = holo.render_raw(holo.Scene.gallery("dominoes"), camera, spp=16)
+    view = raw.decode().light_field.view(2, 2)
+    images = [raw.image, raw.image[300:428, 500:670], view]
+    holo.write_image(OUT / "focused.png", row([srgb(image, 0.6) for image in images], 300))
 
 
 def generated():
@@ -113,4 +127,5 @@ if __name__ == "__main__":
     noise()
     glass()
     array()
+    focused()
     generated()

@@ -279,9 +279,10 @@ def test_cameras_anywhere(tmp_path):
     array = holo.CameraArray(out, transforms_up="y")
     assert len(array) == 9 and array.names[3] == "3" and array.camera(3).size == (40, 60)
     assert np.allclose(array.camera(3).position_m, eyes[3]) and np.allclose(array.camera(3).axes, np.eye(3))
-    # Gains are undone: where nothing is clipped, cameras agree on the colors of what they see.
+    # Gains, which differ by 40 % in green, are undone: cameras agree on the color of the scene.
     means = np.array([array.image(k).mean(axis=(0, 1)) for k in range(9)])
-    assert np.allclose(means / means.mean(axis=0), 1.0, atol=0.12)
+    ratios = means[:, 1] / means[:, 0]
+    assert np.allclose(ratios / ratios.mean(), 1.0, atol=0.08)
     # The plane of focus through the nearest pixels, without interpolation between them.
     distance, view = 1.4, array.view()
     rows, columns = np.mgrid[0:40, 0:60]
@@ -304,5 +305,5 @@ def test_cameras_anywhere(tmp_path):
     assert np.allclose(own.image, array.image(4), atol=1e-5)
     with pytest.raises(holo.UsageError, match="one of distance_m"):
         array.refocus()
-    with pytest.raises(holo.Error, match="transforms.json"):
+    with pytest.raises(holo.Error, match="nothing"):
         holo.CameraArray(tmp_path / "nothing")
