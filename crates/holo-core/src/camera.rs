@@ -1,5 +1,5 @@
-//! The rig of parallel pinhole cameras that models an ideal holoscopic camera, and a pinhole camera anywhere. **May import:** layouts, Eq. 3, random
-//! numbers of the sensor.
+//! The rig of parallel pinhole cameras that models an ideal holoscopic camera, and pinhole cameras anywhere. **May import:**
+//! layouts, Eq. 3, random numbers of the sensor.
 
 mod baseline_ratio;
 mod builder;
@@ -7,6 +7,7 @@ mod intrinsics;
 mod jitter;
 mod pinhole;
 mod rig;
+mod rotation;
 mod two_plane;
 
 pub use baseline_ratio::BaselineRatio;
@@ -16,3 +17,4 @@ pub use jitter::{CameraDeviation, CameraJitter};
 pub use pinhole::Pinhole;
 pub(crate) use pinhole::Relative;
 pub use rig::{Rig, RigRay};
+pub use rotation::{rotation_near, rotation_of};

@@ -111,6 +111,7 @@ pub use ndarray;
 
 pub use camera::{
     BaselineRatio, CameraDeviation, CameraJitter, Intrinsics, Pinhole, Rig, RigBuilder, RigRay, automatic_baseline_m,
+    rotation_near, rotation_of,
 };
 pub use color::ColorEncoding;
 pub use disparity::{Disparity, Projection, StereoPair};

@@ -32,4 +32,4 @@ pub(crate) use self::wanted::Wanted;
 pub(crate) use self::wanted::without_hdf5;
 
 /// The cameras in the folder of several poses.
-pub(crate) const TRANSFORMS: &str = "transforms.json";
+pub(crate) use holo_io::dataset::TRANSFORMS_JSON as TRANSFORMS;

@@ -8,15 +8,13 @@
 
 use std::path::Path;
 
-use holo_core::{GridSize, Pinhole};
+use holo_core::{GridSize, Pinhole, SampleKind};
 use ndarray::{Array2, Array3, Axis};
 
 use crate::image_file::read_image_info;
+use crate::names::TRANSFORMS_JSON;
 use crate::transforms::{ArrayCamera, CameraArray, WorldUp};
 use crate::{EntryKind, Error, Folder, Limits, read_linear, read_pfm_gray};
-
-/// The cameras of a folder.
-const TRANSFORMS: &str = "transforms.json";
 
 /// The folder of the depths.
 const DEPTH: &str = "depth";
@@ -30,11 +28,11 @@ pub struct ArrayFolder {
 }
 
 impl ArrayFolder {
-    /// Whether a path is a folder with cameras and images of their own: one with folders of light fields at many poses is none.
+    /// Whether a path is a folder with a `transforms.json`.
     #[must_use]
     pub fn is_one(path: impl AsRef<Path>) -> bool {
         let path = path.as_ref();
-        path.is_dir() && Folder::open(path).is_ok_and(|folder| folder.has_file(TRANSFORMS))
+        path.is_dir() && Folder::open(path).is_ok_and(|folder| folder.has_file(TRANSFORMS_JSON))
     }
 
     /// Opens a folder, and reads its cameras.
@@ -45,13 +43,13 @@ impl ArrayFolder {
     /// [`Error::Unsupported`] if the cameras are folders with light fields.
     pub fn open(path: impl AsRef<Path>, up: WorldUp) -> Result<Self, Error> {
         let folder = Folder::open(path)?;
-        let (cameras, named) = CameraArray::read_with_files(&folder, TRANSFORMS, up)?;
+        let (cameras, named) = CameraArray::read_with_files(&folder, TRANSFORMS_JSON, up)?;
         let mut images = Vec::new();
         for (camera, named) in cameras.cameras.iter().zip(named) {
             let shown = crate::shown(&camera.name);
             let Some(name) = named else {
                 let what = format!("camera '{shown}' has no `file_path`, which names its image");
-                return Err(Error::broken(&folder.path_of(TRANSFORMS), "transforms", what));
+                return Err(Error::broken(&folder.path_of(TRANSFORMS_JSON), "transforms", what));
             };
             if folder.kind(&name)? == Some(EntryKind::Folder) {
                 let what =
@@ -92,8 +90,18 @@ impl ArrayFolder {
         let [x, y, z, position_m] = camera.axes_and_position;
         Pinhole::new([x, y, z], position_m, camera.focal_px, size).map_err(|error| {
             let what = format!("camera '{}': {error}", crate::shown(&camera.name));
-            Error::broken(&self.folder.path_of(TRANSFORMS), "transforms", what)
+            Error::broken(&self.folder.path_of(TRANSFORMS_JSON), "transforms", what)
         })
+    }
+
+    /// The type of the samples of the image of camera `k`, by its header.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if there is no such camera; those of the reader of the image.
+    pub fn kind(&self, k: usize) -> Result<SampleKind, Error> {
+        self.camera(k)?;
+        Ok(read_image_info(&self.folder.regular_path(&self.images[k])?)?.kind)
     }
 
     /// Reads the image of camera `k` in linear light, without alpha and divided by the gain of the camera: light of the scene, equal
@@ -177,7 +185,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::create_dir_all(folder.path().join("images")).expect("a folder");
         std::fs::create_dir_all(folder.path().join("depth")).expect("a folder");
-        std::fs::write(folder.path().join(TRANSFORMS), file.to_string()).expect("written");
+        std::fs::write(folder.path().join(TRANSFORMS_JSON), file.to_string()).expect("written");
         let image = ndarray::Array3::<u8>::from_elem((SIZE.rows, SIZE.columns, 4), 255);
         for name in ["images/a.png", "images/b.png"] {
             write_png(folder.path().join(name), image.view(), ColorEncoding::Srgb, Compression::Fast).expect("written");

@@ -38,6 +38,8 @@ pub const RAW_PNG: &str = "raw_linear.png";
 pub const WHITE_PNG: &str = "white.png";
 /// The plenoptic camera of a raw image.
 pub const CAMERA_TOML: &str = "camera.toml";
+/// The poses of many cameras, with the names of their images or folders.
+pub const TRANSFORMS_JSON: &str = "transforms.json";
 /// The camera parameters.
 pub const PARAMETERS_CFG: &str = "parameters.cfg";
 /// The settings of the render and the digest of every file.

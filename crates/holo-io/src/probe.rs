@@ -10,10 +10,10 @@ use holo_core::GridSize;
 #[cfg(feature = "camera")]
 use crate::dataset::PlenopticFolder;
 use crate::dataset::{self, DatasetEntry, DatasetFolder, MANIFEST_JSON, PARAMETERS_CFG, SequenceFolder};
-use crate::names::is_regular;
+use crate::names::{TRANSFORMS_JSON, is_regular};
 use crate::{
-    DngInfo, Error, FileFormat, GantryFolder, HciFolder, Manifest, ParametersCfg, PfmInfo, PngInfo, detect_format,
-    read_dng_info, read_pfm_info, read_png_info,
+    CameraArray, DngInfo, Error, FileFormat, Folder, GantryFolder, HciFolder, Manifest, ParametersCfg, PfmInfo,
+    PngInfo, WorldUp, detect_format, read_dng_info, read_pfm_info, read_png_info,
 };
 
 /// Number of bytes of an unknown file that are shown.
@@ -62,6 +62,13 @@ pub enum FileInfo {
     /// A folder of a plenoptic camera.
     #[cfg(feature = "camera")]
     PlenopticFolder(Box<PlenopticFolder>),
+    /// A folder with the images of cameras anywhere, which `holo render` wrote: see `ArrayFolder`.
+    Cameras {
+        /// Their number.
+        count: usize,
+        /// The manifest of the folder.
+        manifest: Box<Manifest>,
+    },
     /// A folder with the frames of a sequence in it.
     Sequence(SequenceFolder),
     /// A folder with dataset folders `<scene>/<S>x<T>/` or `<scene>/<camera>/` in it.
@@ -80,7 +87,7 @@ pub enum FileInfo {
 /// Detects the format of a file or folder from its contents, and reads its headers, parameters and list of files.
 ///
 /// A folder is the first that applies of: a folder of a plenoptic camera if its `manifest.json` lists a `camera.toml` and
-/// has no rig; a dataset folder if it has a `manifest.json`; an HCI folder if it has a `parameters.cfg` and a view
+/// has no rig; one of cameras anywhere if it lists a `transforms.json` and has no rig; a dataset folder if it has a `manifest.json`; an HCI folder if it has a `parameters.cfg` and a view
 /// `input_Cam*.png`; a gantry folder if it has a view `out_ROW_COLUMN_Y_X.png`; a folder of a plenoptic camera if it has a
 /// `camera.toml` and a `raw.exr` or `raw_linear.png`; a sequence if it has frames `frame_NNNN/` in it; a folder of datasets
 /// if it has dataset folders in it.
@@ -142,6 +149,12 @@ fn probe_folder(path: &Path) -> Result<FileInfo, Error> {
         #[cfg(feature = "camera")]
         if PlenopticFolder::is_described_by(&manifest) {
             return Ok(FileInfo::PlenopticFolder(Box::new(PlenopticFolder::with_manifest(path, Some(manifest))?)));
+        }
+        if manifest.rig.is_none() && manifest.files.contains_key(TRANSFORMS_JSON) {
+            let folder = Folder::open(path)?;
+            // How many there are does not depend on the axis that points up.
+            let count = CameraArray::read_in(&folder, TRANSFORMS_JSON, WorldUp::default(), None)?.cameras.len();
+            return Ok(FileInfo::Cameras { count, manifest: Box::new(manifest) });
         }
         return Ok(FileInfo::DatasetFolder(Box::new(DatasetFolder::with_manifest(path, manifest)?)));
     }
@@ -225,6 +238,9 @@ impl fmt::Display for FileInfo {
                     pixels(size),
                     plural(count)
                 )
+            }
+            Self::Cameras { count, .. } => {
+                write!(f, "folder with the images of {count} camera{} anywhere", plural(*count))
             }
             Self::Sequence(sequence) => {
                 let frames = sequence.frames();

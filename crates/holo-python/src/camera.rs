@@ -155,7 +155,7 @@ impl PlenopticCamera {
         give_quantities(py, rows)
     }
 
-    /// Decodes a raw image: radiance and weight, axes (v, u, t, s, c), the rig, and the roll in radians.
+    /// Decodes a raw image.
     fn decode_arrays<'py>(
         &self,
         py: Python<'py>,
@@ -163,7 +163,7 @@ impl PlenopticCamera {
         white: Option<PyReadonlyArray2<'py, f32>>,
         views: Option<usize>,
         depth_m: Option<PyReadonlyArray2<'py, f32>>,
-    ) -> Result<(Bound<'py, PyAny>, Bound<'py, PyAny>, Rig, f64), Failure> {
+    ) -> Result<Views<'py>, Failure> {
         let camera = &self.0.camera;
         let views = views.map_or_else(|| camera.decodable_views(), Ok)?;
         let (raw, white) = (raw.as_array(), white.as_ref().map(|white| white.as_array()));
@@ -179,7 +179,8 @@ impl PlenopticCamera {
             }
         })?;
         let (field, weight) = (decoded.light_field.into_samples(), decoded.weight.into_samples());
-        Ok((give(py, field), give(py, weight), Rig(decoded.rig), decoded.roll_rad))
+        let depth = decoded.depth_m.map(|depth| give(py, depth));
+        Ok((give(py, field), give(py, weight), Rig(decoded.rig), decoded.roll_rad, depth))
     }
 
     fn __repr__(&self) -> String {
@@ -193,6 +194,9 @@ impl PlenopticCamera {
         Ok((make, (self.to_toml(), self.0.name.clone())))
     }
 }
+
+/// Radiance and weight, axes (v, u, t, s, c), the rig, the roll in radians, and of a focused camera the depth in meters, axes (v, u).
+type Views<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Rig, f64, Option<Bound<'py, PyAny>>);
 
 /// Number of micro-images, root mean square and largest distance in pixels, radii in pixels.
 type Fit = (usize, f64, f64, Vec<f64>);

@@ -102,6 +102,9 @@ def test_plenoptic_camera(tmp_path):
     assert len(centers["x"]) == len(centers["row"]) > 10
     decoded = raw.decode()
     assert decoded.light_field.rig is not None and decoded.weight.shape == decoded.light_field.array.shape[:4]
+    assert decoded.depth is None
+    with pytest.raises(holo.Error, match="need no depth"):
+        raw.decode(depth=raw.layers["depth"])
     codes, info = holo.develop(raw.image, "imx250")
     assert codes.shape == (rows, columns) and codes.dtype == np.uint16 and info["name"] == "imx250"
     assert "imx250" in holo.sensor_models()
@@ -109,6 +112,20 @@ def test_plenoptic_camera(tmp_path):
     assert color.shape == (rows, columns, 3)
     with pytest.raises(holo.UsageError, match="no effect"):
         holo.render_raw(scene, small, views=(3, 3))
+
+
+def test_views_of_a_focused_camera():
+    """From micro-images views are rendered, along an estimate of the depth or along the rendered one."""
+    text = SMALL_CAMERA.replace('focal_um = "pupil"', "focal_um = [430.0]").replace("[120, 90]", "[240, 200]").replace("6.0", "3.0")
+    camera = holo.PlenopticCamera.from_toml(text, "focused")
+    raw = holo.render_raw(holo.Scene.gallery("plaster"), camera, spp=16, layers=["depth"])
+    for depth in (None, raw.layers["depth"]):
+        decoded = raw.decode(views=3, depth=depth)
+        field = decoded.light_field
+        assert field.views == (3, 3) and decoded.depth.shape == field.lenses and (decoded.weight > 0).all()
+        assert field.rig.views == (3, 3) and 0.5 < field.array.mean() / field.central.mean() < 2.0
+    depths = raw.layers["depth"]
+    assert depths.min() * 0.99999 <= decoded.depth.min() and decoded.depth.max() <= depths.max() * 1.00001
 
 
 SMALL_CAMERA = """

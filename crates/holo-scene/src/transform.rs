@@ -91,23 +91,7 @@ impl Transform {
     /// and up directions stay; images are never mirrored. `None` if an axis has no length.
     #[must_use]
     pub fn to_pose(&self) -> Option<Self> {
-        let [x, y, z] = self.columns;
-        let products = [
-            (dot(x, x), 1.0),
-            (dot(y, y), 1.0),
-            (dot(z, z), 1.0),
-            (dot(x, y), 0.0),
-            (dot(y, z), 0.0),
-            (dot(z, x), 0.0),
-        ];
-        if products.iter().all(|(is, should)| (is - should).abs() <= EXACT_FRAME) && self.determinant() > 0.0 {
-            return Some(*self);
-        }
-        let back = unit(z)?;
-        let y = unit(y)?;
-        let along = dot(y, back);
-        let up = unit([y[0] - along * back[0], y[1] - along * back[1], y[2] - along * back[2]])?;
-        Some(Self { columns: [cross(up, back), up, back], translation: self.translation })
+        Some(Self { columns: holo_core::rotation_of(self.columns)?, translation: self.translation })
     }
 
     /// Whether every entry is finite.

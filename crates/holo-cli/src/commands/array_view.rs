@@ -1,7 +1,9 @@
 //! Images of what the cameras of an array see together: of one wide aperture, and between them.
 
+use std::path::Path;
+
 use holo_core::refocus::{FocalPlane, FocalSurface};
-use holo_core::{DynImage, Pinhole, SampleKind};
+use holo_core::{DynImage, Pinhole};
 use holo_dataset::{ArrayViewpoint, synthesize_from_array, synthetic_aperture};
 use holo_io::{ArrayFolder, Limits};
 use ndarray::Array3;
@@ -54,7 +56,7 @@ pub fn refocus(options: &RefocusOptions, array: &ArrayFolder) -> Result<(), Fail
             return Err(Failure::Usage(format!("{}: {what}", options.input.input.display())));
         }
     };
-    write(&options.out, &image)
+    write(&options.out, &image, array)
 }
 
 /// `holo synthesize` of an array.
@@ -70,12 +72,11 @@ pub fn synthesize(options: &SynthesizeOptions, array: &ArrayFolder) -> Result<()
         return Err(Failure::Usage(format!("{folder}: {what}")));
     }
     let view = synthesize_from_array(array, &camera(array, &options.viewpoint)?, options.kernel)?;
-    write(&options.out, &view.image)?;
+    write(&options.out, &view.image, array)?;
     files::write_holes(&options.out, &view.holes)
 }
 
-fn write(out: &std::path::Path, image: &Array3<f32>) -> Result<(), Failure> {
-    let is_pfm = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm"));
-    let kind = if is_pfm { SampleKind::F32 } else { SampleKind::U8 };
-    files::write(out, &DynImage::from_linear(image.view(), kind)?)
+/// Writes linear light: as it is into a PFM, on the sRGB curve into a PNG with as many bits as the images of the array.
+fn write(out: &Path, image: &Array3<f32>, array: &ArrayFolder) -> Result<(), Failure> {
+    files::write(out, &DynImage::from_linear(image.view(), files::kind_of(out, array.kind(0)?))?)
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::DynImageRef;
+use holo_core::{DynImageRef, SampleKind};
 use holo_io::dataset::Representation;
 use holo_io::{LightFieldFile, LightFieldReader, ReadOptions};
 use ndarray::{Array2, Axis};
@@ -73,17 +73,27 @@ pub fn at_position(out: &Path, [column, row]: [usize; 2], largest: usize) -> Pat
     with_suffix(out, &format!("_r{row:0digits$}_c{column:0digits$}"))
 }
 
-/// Writes the mask of the pixels that no view shows beside the image.
+/// Writes the mask of the pixels that no view shows next to the image.
 pub fn write_holes(out: &Path, holes: &Array2<bool>) -> Result<(), Failure> {
     let count = holes.iter().filter(|&&is_hole| is_hole).count();
     let mask = holes.mapv(|is_hole| if is_hole { 255u8 } else { 0 });
-    write(&beside(out, "_holes", "png"), mask.view().insert_axis(Axis(2)))?;
+    write(&next_to(out, "_holes", "png"), mask.view().insert_axis(Axis(2)))?;
     say!("{count} of {} pixels are in no view, and filled from farther surfaces", holes.len());
     Ok(())
 }
 
-/// `view.pfm` has `view_holes.png` beside it.
-fn beside(out: &Path, suffix: &str, ending: &str) -> PathBuf {
+/// The type of the samples of a file of linear light: floats in a PFM; a PNG has as many bits as its source, and floats get the most.
+pub fn kind_of(out: &Path, source: SampleKind) -> SampleKind {
+    let is_pfm = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm"));
+    match source {
+        _ if is_pfm => SampleKind::F32,
+        SampleKind::U8 => SampleKind::U8,
+        _ => SampleKind::U16,
+    }
+}
+
+/// `view.pfm` has `view_holes.png` next to it.
+fn next_to(out: &Path, suffix: &str, ending: &str) -> PathBuf {
     with_suffix(out, suffix).with_extension(ending)
 }
 

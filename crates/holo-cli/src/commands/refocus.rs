@@ -24,8 +24,7 @@ pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
     let file = files::read(&options.input)?;
     let (views, rig) = (file.light_field.shape().views(), file.rig);
     let refocus = refocus(options, views, rig.as_ref())?;
-    // A PNG has as many bits as its source; floats get the most.
-    let kind = if file.light_field.kind() == SampleKind::U8 { SampleKind::U8 } else { SampleKind::U16 };
+    let kind = file.light_field.kind();
     let field = file.light_field.without_alpha()?.into_linear(file.color_encoding)?;
     if let Some(map) = &options.all_in_focus {
         let map = holo_io::read_pfm_gray(map, &Limits::default())?;
@@ -61,8 +60,7 @@ fn refocus(options: &RefocusOptions, views: GridSize, rig: Option<&Rig>) -> Resu
     Ok(rig.map_or(refocus.clone(), |rig| refocus.baseline_ratio(rig.baseline_ratio())))
 }
 
-/// Writes linear light: as it is into a PFM, on the sRGB curve into a PNG of `kind`.
-fn write(out: &Path, image: &Array3<f32>, kind: SampleKind) -> Result<(), Failure> {
-    let is_pfm = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm"));
-    files::write(out, &DynImage::from_linear(image.view(), if is_pfm { SampleKind::F32 } else { kind })?)
+/// Writes linear light: as it is into a PFM, on the sRGB curve into a PNG.
+fn write(out: &Path, image: &Array3<f32>, source: SampleKind) -> Result<(), Failure> {
+    files::write(out, &DynImage::from_linear(image.view(), files::kind_of(out, source))?)
 }

@@ -2,7 +2,7 @@
 //!
 //! Light is blended, not codes: the sRGB curve of integers is undone first and put back at the end.
 
-use holo_core::{DynImage, GridSize, SampleKind, ViewDisparities, ViewIndex, ViewSynthesis, plane_sweep};
+use holo_core::{DynImage, GridSize, ViewDisparities, ViewIndex, ViewSynthesis, plane_sweep};
 use holo_io::{LightFieldReader, Limits};
 use ndarray::{Array2, Array4};
 
@@ -25,11 +25,11 @@ pub fn run(options: &SynthesizeOptions) -> Result<(), Failure> {
     let reader = files::open(&options.input.input, &options.input)?;
     files::say_source(&reader);
     let shape = reader.shape();
-    let at = options.at.ok_or_else(|| Failure::Usage("give --at".into()))?;
+    let at = options.at.ok_or_else(|| Failure::Usage("give --at S,T: a column and a row of views".into()))?;
     check_place(at, shape.views())?;
     let read = read_maps(&reader, options)?;
     let file = files::read_samples(reader)?;
-    let is_8_bit = file.light_field.kind() == SampleKind::U8;
+    let source = file.light_field.kind();
     let (rig, sweep) = (file.rig, file.plane_sweep_options());
     let field = file.light_field.without_alpha()?.into_linear(file.color_encoding)?;
     let maps = match read {
@@ -55,13 +55,7 @@ pub fn run(options: &SynthesizeOptions) -> Result<(), Failure> {
     }
     let [s, t] = at;
     let view = synthesis.at(&field, disparities, (t, s)).map_err(wrong_option)?;
-    let is_pfm = options.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm"));
-    let kind = match () {
-        () if is_pfm => SampleKind::F32,
-        // A PNG has as many bits as its source; floats get the most.
-        () if is_8_bit => SampleKind::U8,
-        () => SampleKind::U16,
-    };
+    let kind = files::kind_of(&options.out, source);
     files::write(&options.out, &DynImage::from_linear(view.image.view(), kind)?)?;
     files::write_holes(&options.out, &view.holes)
 }

@@ -283,6 +283,10 @@ fn an_array_that_stands_as_a_rig_refocuses_as_it_does() {
         let blurred = deviation(&rig, &image(&bench, "array/images/12.png"), 4);
         assert!(k == 2 || blurred > 2.0 * error, "{more}: {blurred} {error}");
     }
+    // A PNG has the bits of the images.
+    ok(bench.run("refocus array --distance-m 3 --transforms-up y --out deep.png"));
+    let info = holo_io::read_png_info(bench.path("deep.png")).unwrap();
+    assert_eq!((info.bits, info.channels), (16, 3));
     // By the depth of the view itself everything is sharp; on a plane near the cameras nothing is.
     ok(bench.run(
         "refocus array --all-in-focus array/depth/12.pfm --aperture disc:0.041 --transforms-up y --out sharp.pfm",
@@ -290,7 +294,7 @@ fn an_array_that_stands_as_a_rig_refocuses_as_it_does() {
     let sharp = deviation(&image(&bench, "sharp.pfm"), &image(&bench, "array/images/12.png"), 4);
     ok(bench.run("refocus array --distance-m 2 --aperture disc:0.041 --transforms-up y --out near.pfm"));
     let near = deviation(&image(&bench, "near.pfm"), &image(&bench, "array/images/12.png"), 4);
-    // What is left are edges, of which some cameras see what is behind.
+    // Some cameras see what lies behind an edge, and blur it.
     assert!(1.5 * sharp < near, "{sharp} {near}");
 }
 
@@ -343,6 +347,14 @@ fn arrays_refuse_what_they_cannot_do() {
         let outcome = bench.run(arguments);
         assert_eq!(outcome.code, Some(2), "{arguments}: {outcome:?}");
         assert!(outcome.stderr.contains(part), "{arguments}: {outcome:?}");
+    }
+    // Other commands say what it is.
+    let outcome = bench.run("info array");
+    assert!(outcome.code == Some(0) && outcome.stdout.contains("images of 3 cameras anywhere"), "{outcome:?}");
+    for arguments in ["depth array --out x.pfm", "view array --out x.html", "extract array --view 0,0 --out x.png"] {
+        let outcome = bench.run(arguments);
+        let is_said = outcome.stderr.contains("images of 3 cameras anywhere, which are no grid of views");
+        assert!(outcome.code == Some(1) && is_said, "{arguments}: {outcome:?}");
     }
     std::fs::write(bench.path("array/images/camera_0001.png"), "no image").unwrap();
     let outcome = bench.run("refocus array --distance-m 1 --out x.png");

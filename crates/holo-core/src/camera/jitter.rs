@@ -5,7 +5,7 @@ use crate::error::not_negative;
 use crate::sensor::{Purpose, Stream};
 
 /// How far the cameras of an array deviate from what was meant, as the cameras of real arrays do: standard deviations of normal
-/// distributions, and of the time the end of an even one. What is 0 is exact.
+/// distributions, and the end of an even distribution of the time. What is 0 is exact.
 ///
 /// # Source
 ///
@@ -117,7 +117,7 @@ mod tests {
             let mean = all.iter().map(of).sum::<f64>() / COUNT as f64;
             (mean, (all.iter().map(|x| (of(x) - mean).powi(2)).sum::<f64>() / COUNT as f64).sqrt())
         };
-        // Means within 4 standard errors, deviations within 5 %.
+        // Means within 5 standard errors, deviations within 5 %.
         for (of, mean, deviation) in [
             (&(|x: &CameraDeviation| x.position_m[1]) as &dyn Fn(&CameraDeviation) -> f64, 0.0, 0.01),
             (&|x| x.rotation_rad[2], 0.0, 0.02),
@@ -130,7 +130,8 @@ mod tests {
             assert!((spread / deviation - 1.0).abs() < 0.05, "{spread} {deviation}");
         }
         let (_, gain) = moments(&|x| x.gain[2]);
-        assert!((gain / 0.01_f64.hypot(0.1 - 0.01).hypot(0.05) - 1.0).abs() < 0.15, "{gain}");
+        // A product of two independent factors around 1.
+        assert!((gain / 0.1_f64.hypot(0.05).hypot(0.1 * 0.05) - 1.0).abs() < 0.05, "{gain}");
     }
 
     #[test]

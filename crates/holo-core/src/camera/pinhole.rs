@@ -1,10 +1,8 @@
 //! A pinhole camera anywhere in the world.
 
+use super::rotation::{dot, rotation_near};
 use crate::error::positive;
 use crate::{Error, GridSize};
-
-/// How far the axes of a camera may be from a right-handed frame of unit vectors: numbers of files are rounded.
-const FRAME_TOLERANCE: f64 = 1e-4;
 
 /// A pinhole camera anywhere in the world: square pixels, and the principal point in the middle of the image.
 ///
@@ -33,8 +31,7 @@ pub struct Pinhole {
 }
 
 impl Pinhole {
-    /// Returns the camera with the axes +X (right), +Y (up) and +Z (back) in the world. Errors of axes up to 1e-4 are removed such
-    /// that the directions back and up stay.
+    /// Returns the camera with the axes +X (right), +Y (up) and +Z (back) in the world, which may be rounded: see [`rotation_near`].
     ///
     /// # Errors
     ///
@@ -48,18 +45,7 @@ impl Pinhole {
         if let Some(&value) = position_m.iter().find(|x| !x.is_finite()) {
             return Err(Error::BadNumber { what: "position of a camera in meters", value, need: "finite" });
         }
-        let back = unit(axes[2]);
-        let along = dot(axes[1], back);
-        let up = unit(std::array::from_fn(|k| axes[1][k] - along * back[k]));
-        let frame = [cross(up, back), up, back];
-        let pairs = frame.as_flattened().iter().zip(axes.as_flattened());
-        let error =
-            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, |most: f64, x| if x > most || x.is_nan() { x } else { most });
-        if error <= FRAME_TOLERANCE {
-            return Ok(Self { axes: frame, position_m, focal_px, size });
-        }
-        let need = "at most 1e-4: right-handed, without scale";
-        Err(Error::BadNumber { what: "deviation of the axes of a camera from a rotation", value: error, need })
+        Ok(Self { axes: rotation_near(axes)?, position_m, focal_px, size })
     }
 
     /// The axes +X (right), +Y (up) and +Z (back), each of length 1.
@@ -84,15 +70,6 @@ impl Pinhole {
     #[must_use]
     pub const fn size(&self) -> GridSize {
         self.size
-    }
-
-    /// The same camera with other pixels and another focal length.
-    ///
-    /// # Errors
-    ///
-    /// As [`Pinhole::new`].
-    pub fn with_image(self, focal_px: f64, size: GridSize) -> Result<Self, Error> {
-        Self::new(self.axes, self.position_m, focal_px, size)
     }
 
     /// The way of the light of a place of the image, in the world, per meter of depth.
@@ -157,32 +134,17 @@ impl Relative {
     }
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// NaN without a length.
-fn unit(v: [f64; 3]) -> [f64; 3] {
-    let length = dot(v, v).sqrt();
-    v.map(|x| x / length)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     const SIZE: GridSize = GridSize::new(6, 9);
 
-    /// A camera turned about all axes.
-    pub(crate) fn turned() -> Pinhole {
-        let (a, b): (f64, f64) = (0.4, -0.7);
-        let back = [a.sin() * b.cos(), b.sin(), a.cos() * b.cos()];
-        let right = unit(cross([0.0, 1.0, 0.0], back));
-        Pinhole::new([right, cross(back, right), back], [1.0, -2.0, 0.5], 12.5, SIZE).expect("a camera")
+    /// A camera turned about two axes.
+    fn turned() -> Pinhole {
+        let ((sin, cos), (rise, flat)) = (0.4_f64.sin_cos(), (-0.7_f64).sin_cos());
+        let axes = [[cos, 0.0, -sin], [-sin * rise, flat, -cos * rise], [sin * flat, rise, cos * flat]];
+        Pinhole::new(axes, [1.0, -2.0, 0.5], 12.5, SIZE).expect("a camera")
     }
 
     #[test]
@@ -204,21 +166,11 @@ mod tests {
     #[test]
     fn cameras_that_are_none_are_refused() {
         let good = turned();
-        let with = |axes: [[f64; 3]; 3]| Pinhole::new(axes, [0.0; 3], 1.0, SIZE);
         let [right, up, back] = good.axes();
-        let rounded = with([right, up.map(|x| (x * 1e5).round() / 1e5), back]).expect("rounded axes");
-        assert!(dot(rounded.axes()[1], rounded.axes()[2]).abs() < 1e-15);
-        for axes in [
-            [right, up, back.map(|x| -x)],
-            [right, up, back.map(|x| 1.01 * x)],
-            [up, right, back],
-            [[0.0; 3]; 3],
-            [right, up, [f64::NAN; 3]],
-        ] {
-            assert!(with(axes).is_err(), "{axes:?}");
+        assert!(Pinhole::new([up, right, back], [0.0; 3], 1.0, SIZE).is_err());
+        for (focal_px, size) in [(0.0, SIZE), (f64::NAN, SIZE), (1.0, GridSize::new(0, 3))] {
+            assert!(Pinhole::new(good.axes(), [0.0; 3], focal_px, size).is_err());
         }
-        assert!(good.with_image(0.0, SIZE).is_err());
-        assert!(good.with_image(1.0, GridSize::new(0, 3)).is_err());
         assert!(Pinhole::new(good.axes(), [0.0, f64::INFINITY, 0.0], 1.0, SIZE).is_err());
     }
 }

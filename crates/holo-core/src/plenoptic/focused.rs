@@ -73,7 +73,8 @@ impl PlenopticCamera {
             return Err(Error::ZeroCount { what: "micro-images that lie wholly on the sensor" });
         }
         let half_light_px = self.micro_image_radii_m(0)[1] / sensor.pixel_m;
-        let step_px = if views > 1 { 2.0 * PUPIL_PART * half_light_px / (views - 1) as f64 } else { 0.0 };
+        // A single view has the baseline of two.
+        let step_px = 2.0 * PUPIL_PART * half_light_px / (views.max(2) - 1) as f64;
         let size = GridSize::new(counts[0] as usize, counts[1] as usize);
         let focus_distance_m = match self.inverse_depth_at(FOCUS_DEPTH) {
             inverse if inverse > 0.0 => 1.0 / inverse,
@@ -105,7 +106,7 @@ impl PlenopticCamera {
         self.pupils.slope_per_m * self.array().pitch_m / self.equivalent_views().baseline_m
     }
 
-    /// Decodes the raw image of a focused camera as [`decode`](Self::decode) does, along depths that are known instead of an estimate.
+    /// Decodes the raw image of a focused camera as [`decode`](Self::decode) does, along depths that are known.
     ///
     /// # Shape
     ///
@@ -136,7 +137,7 @@ impl PlenopticCamera {
             let (expected, found) = (vec![size.rows, size.columns], depth_m.shape().to_vec());
             return Err(Error::Shape { what: "depth of the raw image", expected, found });
         }
-        let light = RawLight::new(raw, white)?;
+        let light = RawLight { raw, white };
         let central = depth::of_raw(self, &lenses, &rig, depth_m)?;
         self.rendered(&rig, &lenses, &light, central)
     }
@@ -149,7 +150,7 @@ impl PlenopticCamera {
         views: usize,
     ) -> Result<Decoded, Error> {
         let (rig, lenses) = (self.rendered_rig(views)?, Lenses::new(self)?);
-        let light = RawLight::new(raw, white)?;
+        let light = RawLight { raw, white };
         // Depths of the sweep, as distances of neighboring images.
         let [far, near] = [depth::LEAST_DEPTH, depth::MOST_DEPTH].map(|gaps| self.shift_px(gaps));
         let central = depth::estimated(&lenses, &rig, &light, [far, near])?;
@@ -168,22 +169,15 @@ impl PlenopticCamera {
         let (views, size) = (shape.views(), shape.lenses());
         let mut color = super::decode::field(shape, channels)?;
         let mut weight = super::decode::field(shape, 1)?;
-        // A single view has no disparity.
         let disparity = rig.disparity();
-        let has_parallax = rig.baseline_x_m() > 0.0;
-        let to_px = |inverse: f32| {
-            (if has_parallax { disparity.from_depth_m(1.0 / f64::from(inverse)) } else { f64::from(inverse) }) as f32
-        };
-        let map_px = central.mapv(to_px);
+        let map_px = central.mapv(|inverse| disparity.from_depth_m(1.0 / f64::from(inverse)) as f32);
         let (t, s) = shape.central_view();
         for k in 0..views.count() {
             let view = ViewIndex { row: k / views.columns, column: k % views.columns };
             let at = ViewIndex { row: t, column: s };
             let own_px = map_of_view(shape, map_px.view(), (at, view), rig.baseline_ratio())?;
-            let inverse_depth = |v: usize, u: usize| {
-                let px = f64::from(own_px[v * size.columns + u]);
-                if has_parallax { 1.0 / disparity.to_depth_m(px) } else { px }
-            };
+            let inverse_depth =
+                |v: usize, u: usize| 1.0 / disparity.to_depth_m(f64::from(own_px[v * size.columns + u]));
             let mut image = color.index_axis_mut(Axis(3), view.column);
             let mut light_of = weight.index_axis_mut(Axis(3), view.column);
             let (mut image, mut light_of) =

@@ -1,5 +1,7 @@
 //! The image of a camera between those of an array, which may stand anywhere.
 
+use std::cmp::Ordering;
+
 use ndarray::{Array2, ArrayView2, ArrayView3};
 
 use super::new_view::{Motion, NewView, Source};
@@ -9,11 +11,14 @@ use crate::camera::Relative;
 use crate::memory::collected;
 use crate::{Error, Pinhole, Sample};
 
-/// Cameras are asked in groups of this many, the nearest ones first: what a group does not show, the next may.
+/// Cameras take part in groups of this many, the nearest ones first: what a group does not show, the next may.
 const GROUP: usize = 4;
 
-/// The groups that are asked.
+/// The groups that take part.
 const GROUPS: usize = 4;
+
+/// A camera nearer than this, of the distance of the fourth, counts as if it were there: the view is its image within 1e-7.
+const LEAST_DISTANCE: f64 = 1e-4;
 
 /// The least cosine of the angle between a pixel's ray and the optical axis of a camera that may show its point.
 const LEAST_FACING: f64 = 0.1;
@@ -30,8 +35,16 @@ pub struct PosedView<'a, T> {
 }
 
 impl ViewSynthesis {
-    /// How many of the cameras nearest to a view take part in its image: others need not be read.
-    pub const MOST_CAMERAS: usize = GROUP * GROUPS;
+    /// Returns the numbers of the cameras that take part in the image of a view, the nearest ones first: others need not be read.
+    #[must_use]
+    pub fn cameras_near(cameras: &[Pinhole], view: &Pinhole) -> Vec<usize> {
+        let mut ranked: Vec<usize> = (0..cameras.len()).collect();
+        let key = |k: usize| (distance_m(&cameras[k], view), cameras[k].position_m());
+        // Equally near ones in the order of their places, not of the list.
+        ranked.sort_by(|&a, &b| key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal));
+        ranked.truncate(GROUP * GROUPS);
+        ranked
+    }
 
     /// Returns the image of a camera anywhere, from those of others, such as the cameras of an array.
     ///
@@ -56,29 +69,20 @@ impl ViewSynthesis {
         view: &Pinhole,
     ) -> Result<SynthesizedImage, Error> {
         let channels = checked(cameras)?;
-        let distance_m = |posed: &PosedView<'_, T>| {
-            let (a, b) = (posed.camera.position_m(), view.position_m());
-            (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
-        };
-        let mut ranked: Vec<(f64, &PosedView<'_, T>)> =
-            cameras.iter().map(|posed| (distance_m(posed), posed)).collect();
-        let place = |posed: &PosedView<'_, T>| posed.camera.position_m();
-        ranked.sort_by(|(a, one), (b, other)| {
-            a.total_cmp(b).then_with(|| place(one).partial_cmp(&place(other)).expect("finite"))
-        });
-        ranked.truncate(Self::MOST_CAMERAS);
+        let all: Vec<Pinhole> = cameras.iter().map(|posed| posed.camera).collect();
+        let near = Self::cameras_near(&all, view);
         // Disparities are those of cameras this far apart.
-        let base_m = ranked[ranked.len().min(GROUP) - 1].0;
+        let base_m = distance_m(&all[near[near.len().min(GROUP) - 1]], view);
         let base_m = if base_m > 0.0 { base_m } else { 1.0 };
         let mut result = NewView::new(view.size(), channels)?;
-        for group in ranked.chunks(GROUP) {
+        for group in near.chunks(GROUP) {
             if !result.has_holes() {
                 break;
             }
             let mut sources = Vec::new();
-            for &(distance_m, posed) in group {
-                let nearness = base_m / distance_m.max(1e-4 * base_m);
-                sources.extend(source(posed, view, base_m, (nearness * nearness) as f32)?);
+            for &k in group {
+                let nearness = base_m / distance_m(&all[k], view).max(LEAST_DISTANCE * base_m);
+                sources.extend(source(&cameras[k], view, base_m, (nearness * nearness) as f32)?);
             }
             result.add(&sources, self.kernel);
         }
@@ -86,6 +90,11 @@ impl ViewSynthesis {
         let depth_m = made.disparity_px.mapv(|x| (view.focal_px() * base_m / f64::from(x)) as f32);
         Ok(SynthesizedImage { image: made.image, depth_m, holes: made.holes })
     }
+}
+
+fn distance_m(camera: &Pinhole, view: &Pinhole) -> f64 {
+    let (a, b) = (camera.position_m(), view.position_m());
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
 /// The number of channels of all images.

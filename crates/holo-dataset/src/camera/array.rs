@@ -29,8 +29,8 @@ impl ArrayViewpoint {
     ///
     /// [`Error::BadRequest`] if it looks nowhere, or upward along its line of sight; those of [`ArrayFolder::pinhole`].
     pub fn camera(&self, array: &ArrayFolder) -> Result<Pinhole, Error> {
-        let count = array.cameras().len();
-        let cameras = (0..count).map(|k| array.pinhole(k)).collect::<Result<Vec<_>, _>>()?;
+        let cameras = pinholes(array)?;
+        let count = cameras.len();
         let at = self.eye.unwrap_or_else(|| {
             std::array::from_fn(|axis| {
                 cameras.iter().map(|camera| camera.position_m()[axis]).sum::<f64>() / count as f64
@@ -39,7 +39,9 @@ impl ArrayViewpoint {
         let away = |camera: &Pinhole| (0..3).map(|k| (camera.position_m()[k] - at[k]).powi(2)).sum::<f64>();
         // The first of equally near ones: rounding does not choose.
         let nearest = cameras.iter().map(away).fold(f64::INFINITY, f64::min) * (1.0 + 1e-9);
-        let base = cameras.iter().find(|camera| away(camera) <= nearest).expect("an array has cameras");
+        let Some(base) = cameras.iter().find(|camera| away(camera) <= nearest) else {
+            return Err(Error::BadRequest(format!("{}: it has no cameras", array.folder().path().display())));
+        };
         let eye = self.eye.unwrap_or(base.position_m());
         let ahead = |k: usize| eye[k] - base.axes()[2][k];
         let pose = match (self.target, self.up) {
@@ -48,6 +50,11 @@ impl ArrayViewpoint {
         };
         Ok(Pinhole::new(pose.columns, pose.translation, base.focal_px(), base.size())?)
     }
+}
+
+/// The cameras of an array.
+fn pinholes(array: &ArrayFolder) -> Result<Vec<Pinhole>, Error> {
+    Ok((0..array.cameras().len()).map(|k| array.pinhole(k)).collect::<Result<_, _>>()?)
 }
 
 /// Returns the image of a wide aperture around a view, sharp on a surface: the mean of the images of an array. Images are read one
@@ -65,15 +72,14 @@ pub fn synthetic_aperture(
 ) -> Result<Array3<f32>, Error> {
     let mut sum = SyntheticAperture::new(view, kernel);
     let mut is_empty = true;
-    for k in 0..array.cameras().len() {
-        let camera = array.pinhole(k)?;
+    for (k, camera) in pinholes(array)?.iter().enumerate() {
         let away: [f64; 3] = std::array::from_fn(|axis| camera.position_m()[axis] - view.position_m()[axis]);
         let along = |axis: [f64; 3]| (0..3).map(|k| axis[k] * away[k]).sum::<f64>();
         let [right, up, _] = view.axes();
         let weight = aperture.weight([along(up), along(right)]);
         if weight > 0.0 {
             let image = array.image(k, &Limits::default())?;
-            sum.add(&camera, image.view(), weight, surface)?;
+            sum.add(camera, image.view(), weight, surface)?;
             is_empty = false;
         }
     }
@@ -90,14 +96,9 @@ pub fn synthetic_aperture(
 ///
 /// [`Error::BadRequest`] if a camera has no depth; those of [`ViewSynthesis::at_camera`] and of reading images.
 pub fn synthesize_from_array(array: &ArrayFolder, view: &Pinhole, kernel: Kernel) -> Result<SynthesizedImage, Error> {
-    let mut cameras = (0..array.cameras().len())
-        .map(|k| array.pinhole(k).map(|camera| (k, camera)))
-        .collect::<Result<Vec<_>, _>>()?;
-    let away = |camera: &Pinhole| (0..3).map(|k| (camera.position_m()[k] - view.position_m()[k]).powi(2)).sum::<f64>();
-    cameras.sort_by(|(_, a), (_, b)| away(a).total_cmp(&away(b)));
-    cameras.truncate(ViewSynthesis::MOST_CAMERAS);
+    let cameras = pinholes(array)?;
     let limits = Limits::default();
-    let read = |&(k, camera): &(usize, Pinhole)| -> Result<(Pinhole, Array3<f32>, Array2<f32>), Error> {
+    let read = |k: usize| -> Result<(Pinhole, Array3<f32>, Array2<f32>), Error> {
         let depth_m = array.depth_m(k, &limits)?.ok_or_else(|| {
             let name = holo_core::visible(&array.cameras()[k].name);
             Error::BadRequest(format!(
@@ -105,9 +106,10 @@ pub fn synthesize_from_array(array: &ArrayFolder, view: &Pinhole, kernel: Kernel
                 array.folder().path().display()
             ))
         })?;
-        Ok((camera, array.image(k, &limits)?, depth_m))
+        Ok((cameras[k], array.image(k, &limits)?, depth_m))
     };
-    let read = cameras.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let near = ViewSynthesis::cameras_near(&cameras, view);
+    let read = near.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
     let posed: Vec<PosedView<'_, f32>> = read
         .iter()
         .map(|(camera, image, depth_m)| PosedView { camera: *camera, image: image.view(), depth_m: depth_m.view() })

@@ -9,17 +9,18 @@
 //! | `manifest.json` | settings, exposure and digests |
 //!
 //! Every camera has an acceleration structure in its own frame, so that depth is exact wherever it stands. Cameras far
-//! apart share no light. A camera may have a gain of its own, and see the scene later than the others. All of them share one checkpoint, from which an interrupted job continues.
+//! apart share no light. A camera may have a gain of its own, and see the scene later than the others. All of them share one
+//! checkpoint, from which an interrupted job continues.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use holo_io::{CameraArray, ColorEncoding, Compression, FileDigest, Manifest};
+use holo_io::{ArrayCamera, CameraArray, ColorEncoding, Compression, FileDigest, Manifest};
 use holo_render::{Integrator, Layer, RayCounts, Rendered, World, exposure};
 
 use super::engine;
 use super::job::{RunOptions, Shot};
-use super::prepare::{Setup, Stage};
+use super::prepare::{Prepared, Setup, Stage};
 use super::report::{CameraReport, RenderReport, Seconds};
 use super::runner::Runner;
 use super::trace;
@@ -89,17 +90,7 @@ fn images(
     let (mut libraries, planned) = (BTreeMap::new(), identity.clone());
     for (k, &pose) in mine.iter().enumerate() {
         let camera = &array.cameras[pose];
-        // A camera that sees the scene at another time has a scene of its own.
-        let later = match camera.time_s {
-            0.0 => None,
-            time_s => Some(setup.stage_later(time_s, options.diagnostics)?),
-        };
-        let later_world = match &later {
-            Some(later) => Some(later.world(setup.source, &settings.light.sky, setup.engine)?),
-            None => None,
-        };
-        let (stage, world) = (later.as_ref().unwrap_or(stage), later_world.as_ref().unwrap_or(world));
-        let prepared = setup.prepare(stage, world, pose, options.diagnostics)?;
+        let prepared = prepared(setup, (stage, world), (camera, pose), options)?;
         seconds.build += prepared.build_seconds;
         identity = engine::built_with(identity, &prepared.renderer, options.diagnostics);
         let rendering = Instant::now();
@@ -157,6 +148,21 @@ fn images(
         files,
         warnings: Vec::new(),
     })
+}
+
+/// A camera in front of the scene, or, if it sees that later than the others, in front of one of its own.
+fn prepared(
+    setup: &Setup,
+    (stage, world): (&Stage, &World),
+    (camera, pose): (&ArrayCamera, usize),
+    options: &RunOptions,
+) -> Result<Prepared, Error> {
+    if camera.time_s == 0.0 {
+        return setup.prepare(stage, world, pose, options.diagnostics);
+    }
+    let stage = setup.stage_later(camera.time_s, options.diagnostics)?;
+    let world = stage.world(setup.source, &setup.settings.light.sky, setup.engine)?;
+    setup.prepare(&stage, &world, pose, options.diagnostics)
 }
 
 /// Multiplies the light of an image by the gain of its camera.

@@ -26,9 +26,6 @@ use crate::watch::{About, Diagnostics};
 /// The length of the larger image side of cameras whose focal length is in pixels, m: only the ratio matters.
 const SENSOR_M: f64 = 0.036;
 
-/// How far the axes of a pose may be from orthonormal: files of single precision.
-const POSE_TOLERANCE: f64 = 1e-4;
-
 /// A scene at one frame, with its sky.
 pub struct Stage {
     /// The scene, and warnings about its file.
@@ -466,17 +463,15 @@ fn baseline(rig: &RigSettings) -> Baseline {
 /// The pose of a camera of a list, whose axes may be rounded.
 fn pose_of(camera: &ArrayCamera) -> Result<Transform, Error> {
     let [x, y, z, translation] = camera.axes_and_position;
-    let given = Transform { columns: [x, y, z], translation };
-    let near = |pose: &Transform| {
-        let pairs = pose.columns.as_flattened().iter().zip(given.columns.as_flattened());
-        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) <= POSE_TOLERANCE
-    };
-    given.to_pose().filter(near).ok_or_else(|| {
-        let name = &camera.name;
-        Error::BadRequest(format!(
-            "the matrix of camera '{name}' is no rotation and translation; remove scale and mirroring from it"
-        ))
-    })
+    match holo_core::rotation_near([x, y, z]) {
+        Ok(columns) => Ok(Transform { columns, translation }),
+        Err(_) => {
+            let name = &camera.name;
+            Err(Error::BadRequest(format!(
+                "the matrix of camera '{name}' is no rotation and translation; remove scale and mirroring from it"
+            )))
+        }
+    }
 }
 
 fn without_size(camera: &ArrayCamera) -> Error {

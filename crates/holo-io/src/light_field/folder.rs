@@ -97,6 +97,10 @@ impl LightFieldFolder {
                 let found = without_manifest(path, !images.is_empty());
                 (Contents::Images(images), found)
             }
+            cameras @ FileInfo::Cameras { .. } => {
+                let what = format!("it is a {cameras}, which are no grid of views");
+                return Err(Error::NoLightField { path: path.to_owned(), what });
+            }
             other => {
                 let is_folder = matches!(other, FileInfo::Sequence(_) | FileInfo::Datasets(_));
                 let what = if is_folder {

@@ -20,12 +20,14 @@ class Decoded(NamedTuple):
     """The views of a raw image.
 
     light_field: radiance. weight: the light of the white image under each sample, axes (v, u, t, s). roll_rad: the
-    rotation of the views, counterclockwise in the image.
+    rotation of the views, counterclockwise in the image. depth: of a focused camera, that of the central view along which the views
+    were rendered, m, axes (row, column).
     """
 
     light_field: LightField
     weight: np.ndarray
     roll_rad: float
+    depth: np.ndarray | None = None
 
 
 class Calibration(NamedTuple):
@@ -99,8 +101,8 @@ def decode(
     """
     white = None if white is None else np.asarray(white, dtype=np.float32)
     depth = None if depth is None else np.asarray(depth, dtype=np.float32)
-    field, weight, rig, roll = camera.decode_arrays(np.asarray(raw, dtype=np.float32), white, views, depth)
-    return Decoded(LightField(field, rig, is_srgb=False), weight[..., 0], roll)
+    field, weight, rig, roll, found = camera.decode_arrays(np.asarray(raw, dtype=np.float32), white, views, depth)
+    return Decoded(LightField(field, rig, is_srgb=False), weight[..., 0], roll, found)
 
 
 def develop(

@@ -4,7 +4,7 @@ use ndarray::{Array2, ArrayView2};
 
 use super::super::PlenopticCamera;
 use super::lenses::Lenses;
-use super::samples::{Point, RawLight};
+use super::samples::{Brightness, Point, RawLight};
 use crate::estimate::{WORST, aggregate};
 use crate::memory::filled;
 use crate::parallel::*;
@@ -41,8 +41,7 @@ pub(super) fn of_raw(
     let size = rig.shape().lenses();
     let mut map = filled("a depth map", size.count(), f32::NAN)?;
     let mut nearest = filled("a depth map", size.count(), f32::INFINITY)?;
-    let radius_px = camera.micro_image_radii_m(0)[1].min(camera.micro_image_pitch_px() * camera.sensor().pixel_m / 2.0)
-        / camera.sensor().pixel_m;
+    let radius_px = lenses.radius_px.min(camera.micro_image_radii_m(0)[1] / camera.sensor().pixel_m);
     let eye = rig.ray(0, 0, t, s, 0.5, 0.5).origin_m;
     for ((row, column), &depth_m) in depth_m.indexed_iter() {
         let place_px = [column as f64 + 0.5, row as f64 + 0.5];
@@ -132,6 +131,7 @@ pub(super) fn estimated(
         let middle = |k: usize, count: usize| (factor * k + factor / 2).min(count - 1);
         rig.ray(middle(v, full.rows), middle(u, full.columns), t, s, 0.5, 0.5)
     };
+    let brightness = Brightness::new(light)?;
     let count = planes.shifts_px.len();
     let mut costs = filled("the costs of a sweep", size.count() * count, 0u16)?;
     let mut guide = filled("a guide image", size.count(), 0.0f32)?;
@@ -147,7 +147,7 @@ pub(super) fn estimated(
                 for (plane, cost) in costs.iter_mut().enumerate() {
                     let point = Point::new(&ray, planes.inverse_depth(plane as f64));
                     *cost = UNSEEN;
-                    if let Some(found) = lenses.agreement(light, &point, &near, planes.reach(plane)) {
+                    if let Some(found) = lenses.agreement(&brightness, &point, &near, planes.reach(plane)) {
                         *cost = ((found.deviation / TRUNCATION).min(1.0) * f64::from(WORST)) as u16;
                         if found.deviation < least {
                             (least, *guide) = (found.deviation, found.mean as f32);

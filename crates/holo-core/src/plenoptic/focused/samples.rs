@@ -2,14 +2,14 @@
 
 use ndarray::{ArrayView2, ArrayView3};
 
-use super::super::decode::LEAST_LIGHT;
+use super::super::decode::{LEAST_LIGHT, bilinear};
 use super::lenses::{FARTHEST, Lens, Lenses, REACH};
-use crate::memory::{collected, filled};
+use crate::memory::filled;
 use crate::parallel::*;
-use crate::{Error, RigRay};
+use crate::{Error, GridSize, RigRay};
 
-/// The standard deviation of the weights of microlenses around a ray, pitches: the nearest one counts most, and the change from one to
-/// the next is smooth.
+/// The standard deviation of the weights of microlenses around a ray, pitches: the nearest one counts most, and weights change smoothly
+/// from one to the next.
 const BLEND: f64 = 0.45;
 
 /// The blur at which a sample has a quarter of the weight of a sharp one, px.
@@ -38,7 +38,7 @@ impl Point {
         [0, 1].map(|k| self.slope[k] + self.origin_m[k] * lenses.inverse_focus)
     }
 
-    /// The same ray at a depth that the nearest microlens shows: points nearer to the array than [`NEAREST_DEPTH`] are taken to be there.
+    /// The same ray at a depth that the nearest microlens shows: points nearer to the array are taken to be at the least depth.
     pub fn shown(self, lenses: &Lenses) -> Self {
         let least = lenses.least_off_focus;
         let off_focus = (self.inverse_depth - lenses.inverse_focus) * least.signum();
@@ -70,55 +70,15 @@ impl Point {
 }
 
 /// A raw image and its white image.
+#[derive(Clone, Copy)]
 pub(super) struct RawLight<'a> {
-    raw: ArrayView3<'a, f32>,
-    white: ArrayView2<'a, f32>,
-    /// The brightness of every pixel as eyes see it, 1 for what most are below; NaN where it is dark.
-    gray: Vec<f32>,
+    pub raw: ArrayView3<'a, f32>,
+    pub white: ArrayView2<'a, f32>,
 }
 
-/// Every so many pixels, along each axis, one tells how bright the image is.
-const BRIGHT_STEP: usize = 7;
-
-impl<'a> RawLight<'a> {
-    pub fn new(raw: ArrayView3<'a, f32>, white: ArrayView2<'a, f32>) -> Result<Self, Error> {
-        let (rows, columns, channels) = raw.dim();
-        let mut values = Vec::new();
-        for row in (0..rows).step_by(BRIGHT_STEP) {
-            for column in (0..columns).step_by(BRIGHT_STEP) {
-                let light = f64::from(white[[row, column]]);
-                let sum: f64 = (0..channels).map(|c| f64::from(raw[[row, column, c]])).sum();
-                let value = sum / channels as f64 / light;
-                if light >= LEAST_LIGHT && value > 0.0 && value.is_finite() {
-                    values.push(value);
-                }
-            }
-        }
-        values.sort_unstable_by(f64::total_cmp);
-        let bright = values.get(values.len() * 9 / 10).copied().unwrap_or(1.0);
-        let mut gray = filled("a gray raw image", rows * columns, f32::NAN)?;
-        gray.par_chunks_mut(columns).enumerate().for_each(|(row, line)| {
-            for (column, value) in line.iter_mut().enumerate() {
-                let light = f64::from(white[[row, column]]);
-                if light >= LEAST_LIGHT {
-                    let sum: f64 = (0..channels).map(|c| f64::from(raw[[row, column, c]])).sum();
-                    *value = (sum.max(0.0) / (channels as f64 * light * bright)).sqrt() as f32;
-                }
-            }
-        });
-        // Types of microlenses differ in their blur: a little more of it for all makes them more alike.
-        let gray = blurred(&gray, [rows, columns])?;
-        Ok(Self { raw, white, gray })
-    }
-
+impl RawLight<'_> {
     pub fn channels(&self) -> usize {
         self.raw.dim().2
-    }
-
-    /// The four pixels around a place, and their parts; `None` beyond the middle of the outermost ones.
-    fn texels(&self, [x, y]: [f64; 2]) -> Option<([[usize; 2]; 4], [f64; 4])> {
-        let (rows, columns) = self.white.dim();
-        super::super::decode::bilinear([x, y], crate::GridSize::new(rows, columns))
     }
 
     /// The white image at a place; `None` where it is dark.
@@ -127,24 +87,59 @@ impl<'a> RawLight<'a> {
         (white >= LEAST_LIGHT).then_some(white)
     }
 
-    /// The brightness at a place; `None` beside the light.
-    fn gray(&self, place_px: [f64; 2]) -> Option<f64> {
-        let (texels, parts) = self.texels(place_px)?;
-        let columns = self.white.dim().1;
-        let value: f64 = texels
-            .iter()
-            .zip(parts)
-            .map(|([row, column], part)| part * f64::from(self.gray[row * columns + column]))
-            .sum();
+    /// The mean of the channels of a pixel, without vignetting; `None` where it is dark.
+    fn mean(&self, row: usize, column: usize) -> Option<f64> {
+        let white = f64::from(self.white[[row, column]]);
+        let sum: f64 = (0..self.channels()).map(|c| f64::from(self.raw[[row, column, c]])).sum();
+        (white >= LEAST_LIGHT).then(|| sum.max(0.0) / (self.channels() as f64 * white))
+    }
+}
+
+/// How bright the pixels of a raw image are to the eye, a little blurred; NaN where it is dark.
+pub(super) struct Brightness {
+    /// 1 is what most pixels are below.
+    values: Vec<f32>,
+    size: GridSize,
+}
+
+/// Every so many pixels, along each axis, one tells how bright the image is.
+const BRIGHT_STEP: usize = 7;
+
+/// The part of the pixels that are darker than a brightness of 1.
+const MOST: f64 = 0.9;
+
+impl Brightness {
+    pub fn new(light: &RawLight<'_>) -> Result<Self, Error> {
+        let (rows, columns) = light.white.dim();
+        let pixels =
+            (0..rows).step_by(BRIGHT_STEP).flat_map(|v| (0..columns).step_by(BRIGHT_STEP).map(move |u| (v, u)));
+        let mut means: Vec<f64> =
+            pixels.filter_map(|(v, u)| light.mean(v, u)).filter(|mean| *mean > 0.0 && mean.is_finite()).collect();
+        means.sort_unstable_by(f64::total_cmp);
+        let bright = means.get((means.len() as f64 * MOST) as usize).copied().unwrap_or(1.0);
+        let mut values = filled("the brightness of a raw image", rows * columns, f32::NAN)?;
+        values.par_chunks_mut(columns).enumerate().for_each(|(row, line)| {
+            for (column, value) in line.iter_mut().enumerate() {
+                *value = light.mean(row, column).map_or(f32::NAN, |mean| (mean / bright).sqrt() as f32);
+            }
+        });
+        // Types of microlenses differ in their blur: a little more of it for all makes them more alike.
+        Ok(Self { values: blurred(values, [rows, columns])?, size: GridSize::new(rows, columns) })
+    }
+
+    /// The brightness at a place; `None` outside of the light.
+    fn at(&self, place_px: [f64; 2]) -> Option<f64> {
+        let (texels, parts) = bilinear(place_px, self.size)?;
+        let value = |[row, column]: [usize; 2]| f64::from(self.values[row * self.size.columns + column]);
+        let value: f64 = texels.into_iter().zip(parts).map(|(texel, part)| part * value(texel)).sum();
         (!value.is_nan()).then_some(value)
     }
 }
 
 /// An image blurred by 1 2 1 along both axes, twice; dark pixels take no part and stay dark.
-fn blurred(gray: &[f32], [rows, columns]: [usize; 2]) -> Result<Vec<f32>, Error> {
-    let mut from = collected("a gray raw image", gray.iter().copied())?;
+fn blurred(mut from: Vec<f32>, [rows, columns]: [usize; 2]) -> Result<Vec<f32>, Error> {
     for _ in 0..2 {
-        let mut to = filled("a gray raw image", gray.len(), f32::NAN)?;
+        let mut to = filled("the brightness of a raw image", from.len(), f32::NAN)?;
         to.par_chunks_mut(columns).enumerate().for_each(|(row, line)| {
             for (column, value) in line.iter_mut().enumerate() {
                 if from[row * columns + column].is_nan() {
@@ -183,6 +178,7 @@ impl Lenses {
     pub fn color(&self, light: &RawLight<'_>, point: &Point, sums: &mut [f64]) -> f64 {
         sums.fill(0.0);
         let mut total = 0.0;
+        let size = GridSize::new(light.white.nrows(), light.white.ncols());
         let on_array = point.on_array(self);
         for lens in self.around(on_array, false) {
             let away = self.away(lens, on_array);
@@ -190,7 +186,7 @@ impl Lenses {
                 continue;
             }
             let Some(place_px) = point.place_px(self, lens) else { continue };
-            let Some(found) = light.texels(place_px) else { continue };
+            let Some(found) = bilinear(place_px, size) else { continue };
             let Some(white) = light.white(&found) else { continue };
             let near = (-0.5 * (away / BLEND).powi(2)).exp();
             let weight = near * sharpness(point.blur_px(self, lens)) * white;
@@ -210,13 +206,7 @@ impl Lenses {
 
     /// How well the microlenses `near` a ray that show its point, within `reach` pitches, agree on its brightness; `None` if fewer
     /// than two do.
-    pub fn agreement(
-        &self,
-        light: &RawLight<'_>,
-        point: &Point,
-        near: &[(&Lens, f64)],
-        reach: f64,
-    ) -> Option<Agreement> {
+    pub fn agreement(&self, light: &Brightness, point: &Point, near: &[(&Lens, f64)], reach: f64) -> Option<Agreement> {
         let weight_of = |lens: &Lens| sharpness(point.blur_px(self, lens));
         // The nearest ones are of all types.
         let best = near.iter().take(7).map(|(lens, _)| weight_of(lens)).fold(0.0, f64::max);
@@ -226,7 +216,7 @@ impl Lenses {
             if weight < LEAST_SHARPNESS {
                 continue;
             }
-            let Some(value) = point.place_px(self, lens).and_then(|place_px| light.gray(place_px)) else { continue };
+            let Some(value) = point.place_px(self, lens).and_then(|place_px| light.at(place_px)) else { continue };
             total += weight;
             squared_weights += weight * weight;
             sum += weight * value;
