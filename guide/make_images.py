@@ -113,6 +113,88 @@ def focused():
     holo.write_image(OUT / "focused.png", row([srgb(image, 0.6) for image in images], 300))
 
 
+def rigs():
+    """Rigs at poses: their central views, and the points of the first in the images of the others."""
+    scene = holo.Scene.gallery("garden")
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        words = (
+            "array plane --count 3x1 --spacing-m 0.25 --radius-m 1.2 --target 0,0.2,0 --size 288x216 --fov-deg 45 --seed 1 "
+            "--jitter-rotation-deg 3 --out"
+        )
+        subprocess.run([sys.executable, "-m", "holo", *words.split(), folder / "poses.json"], check=True)
+        options = dict(views=3, baseline_m=0.01, focus_m=1.4, spp=64, layers=["depth"], write=["vpi"], exposure=0.0)
+        holo.render_to(folder / "rigs", scene, transforms=folder / "poses.json", **options)
+        array = holo.CameraArray(folder / "rigs")
+        first, *others = array.central
+        images = [srgb(array.image(k), 0.0) for k in array.central]
+        for other in others:
+            found = array.correspondences(first, other)
+            at = np.rint(found.places[found.visible]).astype(int)
+            drawn = np.zeros_like(images[0])
+            drawn[at[:, 0].clip(0, 215), at[:, 1].clip(0, 287)] = images[0][found.visible]
+            images.append(drawn)
+    holo.write_image(OUT / "rigs.png", row(images, 216))
+
+
+def display():
+    """What an eye sees of a panel behind round lenses, and behind slanted lenticular ones from two places."""
+    views, lenses = (21, 21), (214, 380)
+    field = holo.render(holo.Scene.gallery("garden"), views=views, lenses=lenses, spp=4, disparity=(-1, 1), denoise="views")
+    head = "[panel]\nsize_px = [7680, 4320]\npixel_um = 50.0\nstripes = 'rgb'\n[lenses]\ngap_mm = 3.0\n"
+    tail = "[viewer]\ndistance_m = 0.7\n"
+    images = []
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "display.toml"
+        for lens, x_m in (
+            ("grid = 'square'\npitch_mm = 1.01\n", 0.0),
+            ("grid = 'lenticular'\nslant_deg = 9.46\npitch_mm = 1.01\n", -0.09),
+            ("grid = 'lenticular'\nslant_deg = 9.46\npitch_mm = 1.01\n", 0.09),
+        ):
+            file.write_text(head + lens + tail)
+            shown = holo.Display(file)
+            seen = shown.seen_from(shown.panel_image(field.light_field), (x_m, 0.0, 0.7), size=lenses)
+            images.append(srgb(seen, field.exposure_ev))
+    holo.write_image(OUT / "display.png", row(images, 214))
+
+
+def depth():
+    """Disparity: rendered, estimated from a cross, from six views, and from cameras of an array."""
+    scene = holo.Scene.gallery("tiles")
+    result = holo.render(scene, views=(9, 9), lenses=(200, 300), spp=16, disparity=(-1, 1), denoise="views")
+    field, truth = result.light_field, result.disparity
+    maps = [truth] + [field.disparity((-1.1, 1.1), subset=s) for s in ("cross", "4,4;0,0;8,1;1,8;7,7;4,1")]
+    near, far = truth.max(), truth.min()
+    images = [(np.clip((map - far) / (near - far), 0, 1) * 255).astype(np.uint8) for map in maps]
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        words = (
+            "array plane --count 7x7 --spacing-m 0.02 --radius-m 1.5 --target 0,0.2,0 --size 300x200 --fov-deg 40 --seed 3 "
+            "--jitter-rotation-deg 1 --jitter-focal 0.02 --out"
+        )
+        subprocess.run([sys.executable, "-m", "holo", *words.split(), folder / "array.json"], check=True)
+        holo.render_to(folder / "array", scene, transforms=folder / "array.json", spp=16, layers=["depth"], exposure=0.0)
+        array = holo.CameraArray(folder / "array")
+        inverse = [1 / array.depth(24), 1 / array.estimate_depth((0.8, 4.0), "camera_0024").depth]
+        low, high = inverse[0].min(), inverse[0].max()
+        images += [(np.clip((map - low) / (high - low), 0, 1) * 255).astype(np.uint8) for map in inverse[1:]]
+    holo.write_image(OUT / "depth.png", row([np.repeat(image[:, :, None], 3, axis=2) for image in images], 200))
+
+
+def orthographic():
+    """The central view and elemental images of a perspective rig and of a fly's-eye camera."""
+    scene = holo.Scene.gallery("dominoes")
+    options = dict(views=(15, 15), lenses=(240, 320), spp=4, denoise="views")
+    images = []
+    perspective = holo.render(scene, disparity=(-1, 1), **options)
+    focus, baseline = perspective.rig.focus_distance_m, perspective.rig.baseline_m
+    fly = holo.render(scene, projection="orthographic", focus_m=focus, baseline_m=baseline, **options)
+    for result in (perspective, fly):
+        codes = result.light_field.encode(exposure=perspective.exposure_ev)
+        images += [codes.central, codes.elemental_grid()[15 * 140 : 15 * 150, 15 * 120 : 15 * 133]]
+    holo.write_image(OUT / "orthographic.png", row(images, 240))
+
+
 def generated():
     with tempfile.TemporaryDirectory() as folder:
         options = dict(recipe="mixed", seed=3, views=[3], lenses=(160, 160), spp=48)
@@ -128,4 +210,8 @@ if __name__ == "__main__":
     glass()
     array()
     focused()
+    rigs()
+    display()
+    depth()
+    orthographic()
     generated()

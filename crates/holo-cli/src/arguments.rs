@@ -38,14 +38,16 @@ pub use choices::DemosaicArgument;
 pub use dataset::{CollectionOptions, DatasetOptions, GenerateOptions};
 pub use develop::{DemosaicOptions, DevelopOptions};
 pub use export::ExportOptions;
-pub use images::{AnimateOptions, ComposeOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions};
+pub use images::{
+    AnimateOptions, ComposeOptions, DisplayOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions,
+};
 pub use optics::OpticsOptions;
 pub use preview::PreviewOptions;
 pub use settings::{OfDataset, OfInfo, OfPreview, OfRender, Settings};
 pub use spec::open_camera;
 pub use tools::{
-    DepthOptions, DisparityArgument, EpiOptions, EvalOptions, InputOptions, NormalsArgument, RefocusOptions,
-    SynthesizeOptions, ViewpointOptions,
+    CorrespondOptions, DepthOptions, DisparityArgument, EpiOptions, EvalOptions, InputOptions, NormalsArgument,
+    RefocusOptions, SynthesizeOptions, ViewpointOptions,
 };
 pub use values::{Crop, Pair, Places, Seeds};
 
@@ -88,6 +90,8 @@ pub enum Command {
     RotateElements(RotateOptions),
     /// Write a quilt: the views of one row side by side, as multi-view displays read them.
     Quilt(QuiltOptions),
+    /// Map a light field to a display of lenses before a panel, or simulate what an eye sees of it.
+    Display(DisplayOptions),
     /// Write an animation: along a camera path through the views, or of the frames of a sequence.
     Animate(AnimateOptions),
     /// Write a built-in scene as .glb; without a name, list them.
@@ -96,6 +100,8 @@ pub enum Command {
     Refocus(RefocusOptions),
     /// Synthesize the view of a place between the views, with the help of disparities.
     Synthesize(SynthesizeOptions),
+    /// Find where other cameras of an array see the points of a camera's pixels, and which are hidden.
+    Correspond(CorrespondOptions),
     /// Estimate a disparity map of the central view (not meters: disparity in pixels) from all views.
     Depth(DepthOptions),
     /// Score a disparity map against ground truth (BadPix, MSE ...), or an image against another (PSNR, SSIM).

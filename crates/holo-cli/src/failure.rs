@@ -109,7 +109,9 @@ impl From<holo_core::Error> for Failure {
 /// The error of a number of the command line that the library checks: wrong use.
 pub fn wrong_option(error: holo_core::Error) -> Failure {
     match error {
-        holo_core::Error::BadNumber { .. } => Failure::Usage(message(&error)),
+        holo_core::Error::BadNumber { .. } | holo_core::Error::FinerThanLightField { .. } => {
+            Failure::Usage(message(&error))
+        }
         other => other.into(),
     }
 }

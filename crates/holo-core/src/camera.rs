@@ -3,6 +3,7 @@
 
 mod baseline_ratio;
 mod builder;
+mod correspondence;
 mod intrinsics;
 mod jitter;
 mod pinhole;
@@ -12,6 +13,7 @@ mod two_plane;
 
 pub use baseline_ratio::BaselineRatio;
 pub use builder::RigBuilder;
+pub use correspondence::Correspondence;
 pub use intrinsics::{Intrinsics, automatic_baseline_m};
 pub use jitter::{CameraDeviation, CameraJitter};
 pub use pinhole::Pinhole;

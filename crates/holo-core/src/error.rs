@@ -115,6 +115,17 @@ pub enum Error {
         /// The largest number of planes.
         most: usize,
     },
+    /// A display could show more than a light field knows.
+    FinerThanLightField {
+        /// What the display has more of, such as `"lenses from left to right"`.
+        what: &'static str,
+        /// How many it has.
+        needed: f64,
+        /// What the light field has for them, such as `"views"`.
+        has: &'static str,
+        /// How many it has.
+        found: f64,
+    },
     /// No pixel remains after border, mask and missing values are excluded.
     NothingToMeasure {
         /// The measure, such as `"disparity error"`.
@@ -179,6 +190,11 @@ impl fmt::Display for Error {
                 f,
                 "disparities from {low_px} to {high_px} px take {planes} planes at this effort, and at most {most} are \
                  possible; narrow the range or lower the effort"
+            ),
+            Self::FinerThanLightField { what, needed, has, found } => write!(
+                f,
+                "the display is finer than the light field: it has {needed:.1} {what}, and the light field {found:.1} \
+                 {has} for them; use a light field with more {has}, or a coarser display"
             ),
             Self::NothingToMeasure { what, shape: [rows, columns], border_px } => write!(
                 f,

@@ -28,6 +28,7 @@
 //! With n views and C matched channels: `5.4 C (n + 1) V U` bytes for samples, `(52 + 8 C) V U` for maps,
 //! and 256 MiB or `512 planes U` bytes, whichever is more, for costs (less for small views).
 
+mod any_views;
 mod cost;
 mod effort;
 mod measure;
@@ -40,6 +41,7 @@ mod sweep;
 mod tests;
 mod views;
 
+pub use any_views::{OffsetView, plane_sweep_of_views};
 pub(crate) use cost::WORST;
 pub use effort::Effort;
 pub(crate) use scanline::aggregate;
@@ -179,11 +181,15 @@ where
     S: Data,
     S::Elem: Sample,
 {
-    let PlaneSweepOptions { disparity_min_px: low, disparity_max_px: high, effort, .. } = *options;
-    check_range(low, high)?;
-    let settings = effort.settings();
+    check_range(options.disparity_min_px, options.disparity_max_px)?;
+    let settings = options.effort.settings();
     let views = Views::gather(light_field, &settings, options.baseline_ratio)?;
-    let (map, information) = solve(&views, &settings, low, high, 0)?;
+    estimated(&views, &settings, options)
+}
+
+/// The estimate from views, within the range of the options.
+fn estimated(views: &Views, settings: &Settings, options: &PlaneSweepOptions) -> Result<DisparityEstimate, Error> {
+    let (map, information) = solve(views, settings, options.disparity_min_px, options.disparity_max_px, 0)?;
     let confidence = information.into_iter().map(confidence).collect();
     let shape = (views.size.rows, views.size.columns);
     Ok(DisparityEstimate {

@@ -53,7 +53,7 @@
 //!
 //! [`plane_sweep`] estimates the disparity of the central view by multi-view stereo. [`refocus`] adds shifted views up
 //! to an image that is in focus in one plane or everywhere. [`metrics`] has error measures for disparity maps and for
-//! images. [`optics`] computes depth of field and depth resolution of a rig, and the rig for a range of disparities.
+//! images. [`display`] maps a light field to a panel behind lenses. [`optics`] computes depth of field and depth resolution of a rig, and the rig for a range of disparities.
 //!
 //! # Limits
 //!
@@ -87,6 +87,7 @@ struct Readme;
 mod camera;
 pub mod color;
 mod disparity;
+pub mod display;
 mod error;
 mod estimate;
 mod grid;
@@ -110,13 +111,13 @@ mod synthesize;
 pub use ndarray;
 
 pub use camera::{
-    BaselineRatio, CameraDeviation, CameraJitter, Intrinsics, Pinhole, Rig, RigBuilder, RigRay, automatic_baseline_m,
-    rotation_near, rotation_of,
+    BaselineRatio, CameraDeviation, CameraJitter, Correspondence, Intrinsics, Pinhole, Rig, RigBuilder, RigRay,
+    automatic_baseline_m, rotation_near, rotation_of,
 };
 pub use color::ColorEncoding;
 pub use disparity::{Disparity, Projection, StereoPair};
 pub use error::Error;
-pub use estimate::{DisparityEstimate, Effort, PlaneSweepOptions, plane_sweep};
+pub use estimate::{DisparityEstimate, Effort, OffsetView, PlaneSweepOptions, plane_sweep, plane_sweep_of_views};
 pub use grid::{GridSize, LensIndex, ParseGridSizeError, ViewIndex};
 pub use layout::{Block, LightFieldShape, OneBasedBlock, Remainder, Sensor, SensorDivision};
 pub use light_field::rearrange;

@@ -307,7 +307,7 @@ impl Refocus {
     }
 }
 
-fn check_rig<S: Data>(light_field: &LightField<S>, rig: &Rig) -> Result<(), Error> {
+pub(crate) fn check_rig<S: Data>(light_field: &LightField<S>, rig: &Rig) -> Result<(), Error> {
     if *rig.shape() == light_field.shape() {
         return Ok(());
     }

@@ -13,9 +13,12 @@ mod optics;
 mod placement;
 mod quantity;
 mod score;
+mod some_views;
 mod target;
 
-pub use self::array::{ArrayViewpoint, synthesize_from_array, synthetic_aperture};
+pub use self::array::{
+    ArrayDepth, ArrayViewpoint, correspondences, estimate_depth, synthesize_from_array, synthetic_aperture,
+};
 pub use self::benchmark::{BenchmarkSize, CalibrationBenchmark};
 pub use self::calibrate::{Calibrated, KnownCamera};
 pub use self::decode::{DecodeJob, write_white_images};
@@ -24,4 +27,5 @@ pub use self::optics::{camera_optics, planned_rig, rig_optics};
 pub use self::placement::{Placement, Surface, jittered};
 pub use self::quantity::{NamedQuantity, QuantityValue};
 pub use self::score::calibration_score;
+pub use self::some_views::estimate_from_views;
 pub use self::target::{BoardPose, TargetJob, read_poses};

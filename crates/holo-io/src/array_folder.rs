@@ -5,11 +5,18 @@
 //! | `transforms.json` | the cameras ([`CameraArray`]), each with the name of its image |
 //! | the images | PNG, TIFF, OpenEXR or PFM; a name without ending is that of a PNG |
 //! | `depth/NAME.pfm` | planar depth in meters, where there is truth |
+//!
+//! A camera whose image is a folder is a light field: every view of it is a camera, `NAME:S,T` for view column S and row T.
+
+mod posed_field;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use holo_core::{GridSize, Pinhole, SampleKind};
 use ndarray::{Array2, Array3, Axis};
+
+use posed_field::{LastRead, PosedField};
 
 use crate::image_file::read_image_info;
 use crate::names::TRANSFORMS_JSON;
@@ -19,12 +26,23 @@ use crate::{EntryKind, Error, Folder, Limits, read_linear, read_pfm_gray};
 /// The folder of the depths.
 const DEPTH: &str = "depth";
 
-/// A folder with the images of cameras anywhere. Images are read one by one.
+/// A folder with the images of cameras anywhere. Images are read one by one, those of a light field together.
 #[derive(Debug, Clone)]
 pub struct ArrayFolder {
     folder: Folder,
     cameras: Vec<ArrayCamera>,
-    images: Vec<String>,
+    images: Vec<Image>,
+    fields: Vec<PosedField>,
+    last_read: Arc<LastRead>,
+}
+
+/// Where the image of a camera is.
+#[derive(Debug, Clone)]
+enum Image {
+    /// A file in the folder.
+    File(String),
+    /// The view (t, s) of a light field.
+    View { field: usize, view: (usize, usize) },
 }
 
 impl ArrayFolder {
@@ -39,28 +57,60 @@ impl ArrayFolder {
     ///
     /// # Errors
     ///
-    /// Those of [`CameraArray::read_in`]; [`Error::Broken`] if a camera names no image; [`Error::Io`] if an image is missing;
-    /// [`Error::Unsupported`] if the cameras are folders with light fields.
+    /// Those of [`CameraArray::read_in`] and, of light fields, [`LightFieldReader::open`](crate::LightFieldReader::open);
+    /// [`Error::Broken`] if a camera names no image; [`Error::Io`] if an image is missing; [`Error::Unsupported`] if the camera of a
+    /// light field is unknown.
     pub fn open(path: impl AsRef<Path>, up: WorldUp) -> Result<Self, Error> {
         let folder = Folder::open(path)?;
-        let (cameras, named) = CameraArray::read_with_files(&folder, TRANSFORMS_JSON, up)?;
-        let mut images = Vec::new();
-        for (camera, named) in cameras.cameras.iter().zip(named) {
-            let shown = crate::shown(&camera.name);
+        let (array, named) = CameraArray::read_with_files(&folder, TRANSFORMS_JSON, up)?;
+        let (mut cameras, mut images, mut fields) = (Vec::new(), Vec::new(), Vec::new());
+        for (camera, named) in array.cameras.into_iter().zip(named) {
             let Some(name) = named else {
+                let shown = crate::shown(&camera.name);
                 let what = format!("camera '{shown}' has no `file_path`, which names its image");
                 return Err(Error::broken(&folder.path_of(TRANSFORMS_JSON), "transforms", what));
             };
             if folder.kind(&name)? == Some(EntryKind::Folder) {
-                let what =
-                    format!("camera '{shown}' is a folder with a light field of its own; give one of the folders");
-                return Err(Error::unsupported(folder.path(), what));
+                let field = PosedField::open(folder.sub(&name)?.path().to_owned(), &camera)?;
+                let views = field.rig().shape().views();
+                for (t, s) in (0..views.rows).flat_map(|t| (0..views.columns).map(move |s| (t, s))) {
+                    cameras.push(ArrayCamera { name: format!("{}:{s},{t}", camera.name), ..camera.clone() });
+                    images.push(Image::View { field: fields.len(), view: (t, s) });
+                }
+                fields.push(field);
+                continue;
             }
             let with_ending = format!("{name}.png");
             let is_without = !folder.has_file(&name) && folder.has_file(&with_ending);
-            images.push(if is_without { with_ending } else { name });
+            cameras.push(camera);
+            images.push(Image::File(if is_without { with_ending } else { name }));
         }
-        Ok(Self { folder, cameras: cameras.cameras, images })
+        Ok(Self { folder, cameras, images, fields, last_read: Arc::default() })
+    }
+
+    /// The number of the camera with this name; of a light field that of its central view.
+    #[must_use]
+    pub fn position(&self, name: &str) -> Option<usize> {
+        self.cameras.iter().position(|camera| camera.name == name).or_else(|| {
+            let central = |field: &PosedField| field.rig().shape().central_view();
+            self.images.iter().zip(&self.cameras).position(|(image, camera)| match image {
+                Image::View { field, view } => {
+                    *view == central(&self.fields[*field])
+                        && camera.name.rsplit_once(':').is_some_and(|(field, _)| field == name)
+                }
+                Image::File(_) => false,
+            })
+        })
+    }
+
+    /// The numbers of the cameras in the middle: of every light field its central view, and every camera with an image of its own.
+    #[must_use]
+    pub fn central_cameras(&self) -> Vec<usize> {
+        let is_central = |image: &Image| match image {
+            Image::View { field, view } => *view == self.fields[*field].rig().shape().central_view(),
+            Image::File(_) => true,
+        };
+        (0..self.images.len()).filter(|&k| is_central(&self.images[k])).collect()
     }
 
     /// The cameras.
@@ -83,25 +133,36 @@ impl ArrayFolder {
     /// reader of the image.
     pub fn pinhole(&self, k: usize) -> Result<Pinhole, Error> {
         let camera = self.camera(k)?;
-        let size = match camera.size {
-            Some(size) => size,
-            None => read_image_info(&self.folder.regular_path(&self.images[k])?)?.size,
+        let pinhole = match &self.images[k] {
+            Image::View { field, view } => self.fields[*field].pinhole(*view),
+            Image::File(name) => {
+                let size = match camera.size {
+                    Some(size) => size,
+                    None => read_image_info(&self.folder.regular_path(name)?)?.size,
+                };
+                let [x, y, z, position_m] = camera.axes_and_position;
+                Pinhole::new([x, y, z], position_m, camera.focal_px, size)
+            }
         };
-        let [x, y, z, position_m] = camera.axes_and_position;
-        Pinhole::new([x, y, z], position_m, camera.focal_px, size).map_err(|error| {
+        pinhole.map_err(|error| {
             let what = format!("camera '{}': {error}", crate::shown(&camera.name));
             Error::broken(&self.folder.path_of(TRANSFORMS_JSON), "transforms", what)
         })
     }
 
-    /// The type of the samples of the image of camera `k`, by its header.
+    /// The type of the samples of the image of camera `k`.
     ///
     /// # Errors
     ///
     /// [`Error::BadInput`] if there is no such camera; those of the reader of the image.
     pub fn kind(&self, k: usize) -> Result<SampleKind, Error> {
         self.camera(k)?;
-        Ok(read_image_info(&self.folder.regular_path(&self.images[k])?)?.kind)
+        match &self.images[k] {
+            Image::File(name) => Ok(read_image_info(&self.folder.regular_path(name)?)?.kind),
+            Image::View { field, .. } => {
+                Ok(self.fields[*field].light(*field, &self.last_read, &Limits::default())?.kind)
+            }
+        }
     }
 
     /// Reads the image of camera `k` in linear light, without alpha and divided by the gain of the camera: light of the scene, equal
@@ -117,7 +178,13 @@ impl ArrayFolder {
     /// [`read_linear`].
     pub fn image(&self, k: usize, limits: &Limits) -> Result<Array3<f32>, Error> {
         let expected = self.pinhole(k)?.size();
-        let path = self.folder.regular_path(&self.images[k])?;
+        let name = match &self.images[k] {
+            Image::View { field, view } => {
+                return self.fields[*field].image(*field, *view, &self.last_read, limits);
+            }
+            Image::File(name) => name,
+        };
+        let path = self.folder.regular_path(name)?;
         let mut image = read_linear(&path, limits)?;
         check_size(&path, expected, (image.dim().0, image.dim().1))?;
         let gain = self.camera(k)?.gain;
@@ -143,7 +210,11 @@ impl ArrayFolder {
     /// [`Error::BadInput`] if there is no such camera; [`Error::Broken`] if the map has another size than the image; those of
     /// [`read_pfm_gray`].
     pub fn depth_m(&self, k: usize, limits: &Limits) -> Result<Option<Array2<f32>>, Error> {
-        let name = format!("{DEPTH}/{}.pfm", self.camera(k)?.name);
+        self.camera(k)?;
+        if let Image::View { field, view } = &self.images[k] {
+            return self.fields[*field].depth_m(*view);
+        }
+        let name = format!("{DEPTH}/{}.pfm", self.cameras[k].name);
         if !self.folder.has_file(&name) {
             return Ok(None);
         }
@@ -223,7 +294,7 @@ mod tests {
         };
         let with = |frame: Value| json!({ "fl_x": 30, "w": 3, "h": 2, "frames": [frame] });
         for (file, part) in [
-            (with(frame("images")), "a folder with a light field"),
+            (with(frame("images")), "images"),
             (with(frame("../images/a.png")), "no name of a file inside the folder"),
             (with(frame("images/c.png")), "images/c.png"),
             (

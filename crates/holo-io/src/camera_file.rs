@@ -77,7 +77,7 @@ use crate::{Error, Folder};
 
 mod prescription;
 mod sensor_table;
-mod tables;
+pub(crate) mod tables;
 
 pub use prescription::read_prescription;
 
@@ -398,7 +398,7 @@ fn keyed(why: &holo_core::Error, lens: &MainLensTable) -> String {
 }
 
 /// An error of the TOML, with a suggestion for an unknown key.
-fn explained(why: &toml::de::Error) -> String {
+pub(crate) fn explained(why: &toml::de::Error) -> String {
     let text = why.to_string();
     let message = why.message();
     let Some(rest) = message.strip_prefix("unknown field `") else { return text };

@@ -35,9 +35,11 @@
 
 mod folder;
 mod names;
+mod subset;
 mod write;
 
 pub use folder::HciFolder;
+pub use subset::HciSubset;
 pub use write::{HciHighResolution, HciImage, HciTruth};
 
 /// Returns the name of the file of a view, by its number: view row * columns + view column.

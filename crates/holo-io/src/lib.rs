@@ -48,6 +48,7 @@
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | cameras anywhere, `transforms.json` | [`CameraArray::write`] | [`CameraArray::read`] |
 //! | plenoptic camera, TOML | [`CameraFile::to_toml`] | [`CameraFile::read`] |
+//! | display, TOML or Looking Glass calibration | | [`DisplayFile::read`] |
 //! | plenoptic camera, for other programs | [`interop`] | |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
 //! | DNG of a sensor's codes | [`write_dng`] | its header: [`read_dng_info`] |
@@ -110,6 +111,8 @@ mod camera_file;
 pub mod dataset;
 mod detect_format;
 mod digest;
+#[cfg(feature = "camera")]
+mod display_file;
 #[cfg(feature = "tiff")]
 mod dng;
 mod dng_header;
@@ -143,6 +146,7 @@ mod mat;
 mod mosaic;
 mod mp4;
 mod names;
+mod npy;
 mod panic_guard;
 mod parameters_cfg;
 mod pfm;
@@ -171,6 +175,8 @@ pub use atomic::{AtomicFile, TemporaryFilesRemoved, remove_stale_temporary_files
 pub use camera_file::{CameraFile, SensorNoise, read_prescription};
 pub use detect_format::{FileFormat, detect_format};
 pub use digest::{FileDigest, Sha256, hash_file};
+#[cfg(feature = "camera")]
+pub use display_file::DisplayFile;
 #[cfg(feature = "tiff")]
 pub use dng::write_dng;
 pub use dng_header::{DngInfo, read_dng_info};
@@ -187,7 +193,7 @@ pub use gantry::{GantryFolder, GantryPosition};
 #[cfg(feature = "gif")]
 pub use gif::write_gif_animation;
 #[cfg(feature = "png")]
-pub use hci::{HciFolder, HciHighResolution, HciImage, HciQuantity, HciResolution, HciTruth};
+pub use hci::{HciFolder, HciHighResolution, HciImage, HciQuantity, HciResolution, HciSubset, HciTruth};
 #[cfg(feature = "hdf5")]
 pub use hdf5::{
     Hdf5Arrays, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5, write_hdf5_maps,
@@ -217,6 +223,7 @@ pub use mat::{
 };
 pub use mosaic::MosaicInfo;
 pub use mp4::write_mp4_animation;
+pub use npy::encode_npy;
 pub use panic_guard::is_guarding;
 pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
 pub use pfm::{

@@ -62,12 +62,12 @@ pub enum FileInfo {
     /// A folder of a plenoptic camera.
     #[cfg(feature = "camera")]
     PlenopticFolder(Box<PlenopticFolder>),
-    /// A folder with the images of cameras anywhere, which `holo render` wrote: see `ArrayFolder`.
+    /// A folder with the images of cameras anywhere, or with a light field at each of their poses: see `ArrayFolder`.
     Cameras {
         /// Their number.
         count: usize,
-        /// The manifest of the folder.
-        manifest: Box<Manifest>,
+        /// The manifest of the folder; light fields have their own.
+        manifest: Option<Box<Manifest>>,
     },
     /// A folder with the frames of a sequence in it.
     Sequence(SequenceFolder),
@@ -139,6 +139,11 @@ fn probe_file(path: &Path, bytes: u64) -> Result<FileInfo, Error> {
     })
 }
 
+/// How many cameras a folder has, which does not depend on the axis that points up.
+fn cameras_of(path: &Path) -> Result<usize, Error> {
+    Ok(CameraArray::read_in(&Folder::open(path)?, TRANSFORMS_JSON, WorldUp::default(), None)?.cameras.len())
+}
+
 fn probe_folder(path: &Path) -> Result<FileInfo, Error> {
     let is = |name: &str, format| {
         let file = path.join(name);
@@ -151,12 +156,12 @@ fn probe_folder(path: &Path) -> Result<FileInfo, Error> {
             return Ok(FileInfo::PlenopticFolder(Box::new(PlenopticFolder::with_manifest(path, Some(manifest))?)));
         }
         if manifest.rig.is_none() && manifest.files.contains_key(TRANSFORMS_JSON) {
-            let folder = Folder::open(path)?;
-            // How many there are does not depend on the axis that points up.
-            let count = CameraArray::read_in(&folder, TRANSFORMS_JSON, WorldUp::default(), None)?.cameras.len();
-            return Ok(FileInfo::Cameras { count, manifest: Box::new(manifest) });
+            return Ok(FileInfo::Cameras { count: cameras_of(path)?, manifest: Some(Box::new(manifest)) });
         }
         return Ok(FileInfo::DatasetFolder(Box::new(DatasetFolder::with_manifest(path, manifest)?)));
+    }
+    if is_regular(&path.join(TRANSFORMS_JSON)) {
+        return Ok(FileInfo::Cameras { count: cameras_of(path)?, manifest: None });
     }
     if is(PARAMETERS_CFG, FileFormat::ParametersCfg)? && HciFolder::has_views(path)? {
         return Ok(FileInfo::HciFolder(Box::new(HciFolder::open(path)?)));
@@ -239,8 +244,11 @@ impl fmt::Display for FileInfo {
                     plural(count)
                 )
             }
-            Self::Cameras { count, .. } => {
+            Self::Cameras { count, manifest: Some(_) } => {
                 write!(f, "folder with the images of {count} camera{} anywhere", plural(*count))
+            }
+            Self::Cameras { count, manifest: None } => {
+                write!(f, "folder of {count} camera{0} or light field{0} at poses", plural(*count))
             }
             Self::Sequence(sequence) => {
                 let frames = sequence.frames();

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use holo_core::Pinhole;
 use holo_core::refocus::{FocalPlane, FocalSurface};
-use holo_dataset::{ArrayViewpoint, synthesize_from_array, synthetic_aperture};
+use holo_dataset::{ArrayViewpoint, correspondences, estimate_depth, synthesize_from_array, synthetic_aperture};
 use holo_io::{ArrayFolder, Limits, WorldUp};
+use ndarray::Array3;
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -22,8 +23,8 @@ pub struct CameraFolder {
 /// Where a view stands and what it looks at, and what is up in it.
 type Viewpoint = (Option<[f64; 3]>, Option<[f64; 3]>, Option<[f64; 3]>);
 
-/// The axes right, up and back and the position, the focal length in pixels, and rows and columns.
-type Numbers = ([[f64; 3]; 3], [f64; 3], f64, (usize, usize));
+/// The axes right, up and back and the position, the focal length in pixels, rows and columns, and the principal point.
+type Numbers = ([[f64; 3]; 3], [f64; 3], f64, (usize, usize), [f64; 2]);
 
 /// Where a synthetic aperture is in focus, and which cameras it has.
 #[derive(FromPyObject)]
@@ -38,6 +39,12 @@ pub struct ApertureRequest<'py> {
 
 /// Axes (row, column, channel), depth and holes (row, column).
 type Synthesized<'py> = (Bound<'py, PyArray3<f32>>, Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<bool>>);
+
+/// Row and column with the axes (row, column, 2), depth and visibility (row, column).
+type Found<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<bool>>);
+
+/// Depth and confidence (row, column), and the number of other cameras.
+type Estimated<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<f32>>, usize);
 
 #[pymethods]
 impl CameraFolder {
@@ -66,6 +73,39 @@ impl CameraFolder {
 
     fn depth<'py>(&self, py: Python<'py>, k: usize) -> Result<Option<Bound<'py, PyArray2<f32>>>, Failure> {
         Ok(py.detach(|| self.array.depth_m(k, &Limits::default()))?.map(|map| map.into_pyarray(py)))
+    }
+
+    /// The number of the camera with this name.
+    fn position(&self, name: &str) -> Option<usize> {
+        self.array.position(name)
+    }
+
+    fn central_cameras(&self) -> Vec<usize> {
+        self.array.central_cameras()
+    }
+
+    fn correspondences<'py>(&self, py: Python<'py>, from: usize, to: usize) -> Result<Found<'py>, Failure> {
+        let found = py.detach(|| correspondences(&self.array, from, to))?;
+        let (rows, columns) = found.dim();
+        let places = Array3::from_shape_fn((rows, columns, 2), |(row, column, axis)| found[[row, column]].place[axis]);
+        let (depth_m, is_visible) = (found.map(|one| one.depth_m), found.map(|one| one.is_visible));
+        Ok((places.into_pyarray(py), depth_m.into_pyarray(py), is_visible.into_pyarray(py)))
+    }
+
+    /// Depth and confidence, and how many other cameras they are from.
+    fn estimate_depth<'py>(
+        &self,
+        py: Python<'py>,
+        k: Option<usize>,
+        depths_m: [f64; 2],
+        effort: &str,
+    ) -> Result<Estimated<'py>, Failure> {
+        let effort = options::effort(effort)?;
+        let found = py.detach(|| {
+            let k = k.map_or_else(|| ArrayViewpoint::default().nearest(&self.array), Ok)?;
+            estimate_depth(&self.array, k, depths_m, effort)
+        })?;
+        Ok((found.depth_m.into_pyarray(py), found.confidence.into_pyarray(py), found.others))
     }
 
     fn refocus<'py>(
@@ -105,7 +145,8 @@ impl CameraFolder {
 }
 
 fn numbers(camera: &Pinhole) -> Numbers {
-    (camera.axes(), camera.position_m(), camera.focal_px(), (camera.size().rows, camera.size().columns))
+    let size = (camera.size().rows, camera.size().columns);
+    (camera.axes(), camera.position_m(), camera.focal_px(), size, camera.principal_point())
 }
 
 fn placed((eye, target, up): Viewpoint) -> ArrayViewpoint {

@@ -5,6 +5,7 @@ use holo_core::{
     BaselineRatio, ColorEncoding, DynLightField, Layout, LightField, LightFieldRef, PlaneSweepOptions, Sample,
     ViewDisparities, ViewIndex, ViewSynthesis, for_each_sample,
 };
+use holo_dataset::{ViewSubset, estimate_from_views};
 use holo_io::Compression;
 use ndarray::Array3;
 use numpy::{PyReadonlyArray2, PyReadonlyArray4, PyReadonlyArray5};
@@ -164,7 +165,10 @@ pub fn plane_sweep<'py>(
     range_px: Option<(f32, f32)>,
     effort: &str,
     baseline_ratio: f64,
+    subset: Option<&str>,
 ) -> Result<(Bound<'py, PyAny>, Bound<'py, PyAny>), Failure> {
+    let subset = subset.map(str::parse::<ViewSubset>).transpose();
+    let subset = subset.map_err(|why| Failure::Usage(format!("subset: {why}")))?;
     let mut sweep = PlaneSweepOptions::default()
         .effort(options::effort(effort)?)
         .baseline_ratio(BaselineRatio::vertical_over_horizontal(baseline_ratio)?);
@@ -172,8 +176,14 @@ pub fn plane_sweep<'py>(
         sweep = sweep.range_px(min, max);
     }
     let field = field.borrow()?;
-    let estimate =
-        py.detach(|| for_each_sample!(DynLightFieldRef, field, field => holo_core::plane_sweep(&field, &sweep)))?;
+    let estimate = py.detach(|| -> Result<_, Failure> {
+        for_each_sample!(DynLightFieldRef, field, field => {
+            let Some(subset) = subset else { return Ok(holo_core::plane_sweep(&field, &sweep)?) };
+            let (row, column) = field.shape().central_view();
+            let taken: Vec<_> = subset.views(field.shape().views()).into_iter().map(|view| (view, view)).collect();
+            Ok(estimate_from_views(&field, &taken, ViewIndex::new(row, column), &sweep)?)
+        })
+    })?;
     Ok((give(py, estimate.disparity_px), give(py, estimate.confidence)))
 }
 

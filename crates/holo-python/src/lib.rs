@@ -10,6 +10,7 @@ mod array;
 mod arrays;
 mod benchmark;
 mod camera;
+mod display;
 mod failure;
 mod files;
 mod images;
@@ -38,6 +39,7 @@ fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<camera::PlenopticCamera>()?;
     module.add_class::<files::Reader>()?;
     module.add_class::<array::CameraFolder>()?;
+    module.add_class::<display::Display>()?;
     let functions = [
         wrap_pyfunction!(main, module)?,
         wrap_pyfunction!(scene::gallery_names, module)?,

@@ -307,3 +307,66 @@ def test_cameras_anywhere(tmp_path):
         array.refocus()
     with pytest.raises(holo.Error, match="nothing"):
         holo.CameraArray(tmp_path / "nothing")
+
+
+def test_displays(tmp_path):
+    """What an eye sees of a display is the view from its place; between the views it is their mean."""
+    shape = {"views": (5, 5), "lenses": (24, 32), "spp": 16, "exposure": "-1", "denoise": "off"}
+    rendering = holo.render(holo.Scene.gallery("garden"), disparity=(-0.6, 0.6), **shape)
+    field = rendering.light_field
+    file = tmp_path / "bench.toml"
+    file.write_text(
+        "[panel]\nsize_px = [160, 120]\npixel_um = 200.0\n[lenses]\ngrid = 'square'\npitch_mm = 1.0\ngap_mm = 3.0\n"
+        "offset_mm = [0.5, 0.5]\n"
+    )
+    display = holo.Display(file)
+    assert display.name == "bench" and display.panel_size == (120, 160) and np.allclose(display.size_m, (0.032, 0.024))
+    panel = display.panel_image(field)
+    # Five pixels behind a lens for viewers far away: the elemental images turned around.
+    raw = field.linear().to_elemental_grid().reshape(24, 5, 32, 5, 3)[:, ::-1, :, ::-1].reshape(120, 160, 3)
+    assert np.allclose(panel, raw, atol=1e-5)
+    # From far away, two pixels to the left of the middle of each lens is the rightmost view.
+    seen = display.seen_from(panel, (400.0 / 3.0 * 0.999, 0.0, 1000.0))
+    assert seen.shape == (24, 32, 3) and np.allclose(seen, field.linear().view(2, 4), atol=1e-4)
+    scaled = display.panel_image(field, to_scale=True, distance_m=float(field.rig.focus_distance_m))
+    assert scaled.shape == panel.shape
+    with pytest.raises(holo.Error, match="finer than the light field"):
+        display.panel_image(field[:, :4])
+    with pytest.raises(holo.UsageError, match="rig is unknown"):
+        display.panel_image(holo.LightField(field.array), to_scale=True)
+    with pytest.raises(holo.Error, match="none"):
+        holo.Display(tmp_path / "none.toml")
+
+
+def test_correspondences_of_rigs(tmp_path):
+    """The matrices of transforms.json lead from the pixels of a view to their places in a view of another rig, to 1e-9 px."""
+    frames = [
+        {"file_path": f"images/{name}.png", "transform_matrix": [[c, 0, s, x], [0, 1, 0, 0.25], [-s, 0, c, 1.2], [0, 0, 0, 1]]}
+        for name, x, c, s in (("a", -0.1, np.cos(0.07), -np.sin(0.07)), ("b", 0.2, np.cos(0.2), np.sin(0.2)))
+    ]  # fmt: skip
+    poses, out = tmp_path / "poses.json", tmp_path / "rigs"
+    poses.write_text(json.dumps({"fl_x": 80.0, "w": 60, "h": 40, "frames": frames}))
+    options = dict(views=3, baseline_m=0.02, focus_m=1.4, spp=4, layers=["depth"], ground_truth="all", exposure=0.0)
+    holo.render_to(out, holo.Scene.gallery("garden"), transforms=poses, transforms_up="y", **options)
+    array = holo.CameraArray(out, transforms_up="y")
+    assert len(array) == 18 and array.names[5] == "a:2,1" and array.central == [4, 13] and array.position("b") == 13
+    found = array.correspondences("a:0,1", "b:2,2")
+    matrices = [np.array(frame["transform_matrix"]) for frame in json.loads((out / "transforms.json").read_text())["frames"]]
+    focal = 80.0
+    first, second = array.depth(array.position("a:0,1")), array.camera(array.position("b:2,2"))
+    rows, columns = np.mgrid[0:40, 0:60]
+    # View a:0,1 stands 2 cm to the left; all views see the plane at 1.4 m with the same pixels.
+    x = (columns - 29.5) / focal + 0.02 / 1.4
+    y = (19.5 - rows) / focal
+    rays = np.stack([x, y, -np.ones_like(x)], axis=-1) * first[..., None].astype(float)
+    world = (rays + [-0.02, 0, 0]) @ matrices[0][:3, :3].T + matrices[0][:3, 3]
+    seen = (world - matrices[1][:3, 3]) @ matrices[1][:3, :3] - [0.02, -0.02, 0]
+    column = 29.5 + focal * (-seen[..., 0] / seen[..., 2] + 0.02 / 1.4)
+    row = 19.5 + focal * (seen[..., 1] / seen[..., 2] + 0.02 / 1.4)
+    hit = np.isfinite(first)
+    assert np.abs(found.places[..., 0] - row)[hit].max() < 1e-9 and np.abs(found.places[..., 1] - column)[hit].max() < 1e-9
+    assert np.allclose(found.depth[hit], -seen[..., 2][hit], rtol=1e-12)
+    assert np.allclose(second.principal_point, (19.5 + focal * 0.02 / 1.4, 29.5 + focal * 0.02 / 1.4))
+    assert 0.3 < found.visible.mean() < 0.95
+    with pytest.raises(holo.UsageError, match="no camera 'c'"):
+        array.correspondences("a", "c")

@@ -1,4 +1,4 @@
-//! The options of the commands that extract and compose images: extract, compose, rotate-elements, quilt, animate.
+//! The options of the commands that extract and compose images: extract, compose, rotate-elements, quilt, display, animate.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -61,6 +61,35 @@ pub struct RotateOptions {
     /// Layout of the output [default: by `_el` or `_vpi` in its name, else as the input].
     #[arg(long, value_parser = choice(LAYOUTS))]
     pub to: Option<Layout>,
+}
+
+#[derive(Args, Debug)]
+pub struct DisplayOptions {
+    #[command(flatten)]
+    pub input: InputOptions,
+    /// The display: a file with its panel and lenses (TOML), or the `visual.json` of a Looking Glass.
+    #[arg(long, value_name = "FILE")]
+    pub display: PathBuf,
+    /// What appears in the plane of the lenses has a disparity of D px between adjacent views [default: 0].
+    #[arg(long, value_name = "D", allow_negative_numbers = true, conflicts_with = "distance_m", value_parser = values::finite)]
+    pub disparity: Option<f64>,
+    /// What appears in the plane of the lenses is at this distance from the cameras, m; needs the camera parameters.
+    #[arg(long, value_name = "Z", allow_negative_numbers = true, value_parser = values::distance)]
+    pub distance_m: Option<f64>,
+    /// Show the scene as a model, enlarged or reduced alike in all directions; needs the camera parameters.
+    ///
+    /// Without it the views fill the zone of the lenses, and depths are as deep as that makes them.
+    #[arg(long)]
+    pub to_scale: bool,
+    /// Row of views for cylindrical lenses, from 0 [default: the middle].
+    #[arg(long, value_name = "T")]
+    pub row: Option<usize>,
+    /// Write what an eye at this place sees of the display instead: m from the middle of the lenses to the right, up, to the viewer.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub eye: Option<[f64; 3]>,
+    /// Image to write, PNG, or PFM if the input has floats: as many pixels as the panel, or with --eye about one a lens.
+    #[arg(long, value_name = "FILE", value_parser = values::png_or_pfm)]
+    pub out: PathBuf,
 }
 
 #[derive(Args, Debug)]

@@ -7,6 +7,7 @@ use clap::{ArgGroup, Args};
 use holo_core::refocus::{ApertureShape, Kernel};
 use holo_core::{Effort, GridSize, Layout, ViewOrder};
 
+use holo_dataset::ViewSubset;
 use holo_dataset::settings::{positive as parse_positive, range as parse_range};
 use holo_io::WorldUp;
 
@@ -105,6 +106,22 @@ pub struct SynthesizeOptions {
     pub out: PathBuf,
 }
 
+#[derive(Args, Debug)]
+pub struct CorrespondOptions {
+    /// Folder with the images and depths of cameras or light fields anywhere, and their transforms.json.
+    pub input: PathBuf,
+    /// Camera whose pixels are looked for: its name in transforms.json; of a light field the central view, or NAME:S,T.
+    #[arg(long, value_name = "NAME")]
+    pub from: String,
+    /// Camera that may see them [default: every other one, of light fields the central views; FILE gets _NAME].
+    #[arg(long, value_name = "NAME")]
+    pub to: Option<String>,
+    /// Array of numpy to write, float64: for every row and column the row, the column and the depth in the other camera, m, and 1 if it
+    /// sees the point, else 0. Rows and columns count from 0 and are whole in the middle of a pixel.
+    #[arg(long, value_name = "FILE.npy", value_parser = values::npy)]
+    pub out: PathBuf,
+}
+
 /// `--disparity` of `holo synthesize`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DisparityArgument {
@@ -132,9 +149,18 @@ impl FromStr for DisparityArgument {
 pub struct DepthOptions {
     #[command(flatten)]
     pub input: InputOptions,
-    /// Disparity map to write: of the central view, px between adjacent views.
+    /// Disparity map to write: of the central view, px between adjacent views. Of cameras anywhere the depth of one, m.
     #[arg(long, value_name = "FILE.pfm")]
     pub out: PathBuf,
+    /// Use some of the views: cross, star, or positions; a folder with some of the views needs no word for it.
+    #[arg(long, value_name = "cross|star|S,T;S,T..", value_parser = ViewSubset::from_str)]
+    pub subset: Option<ViewSubset>,
+    /// Nearest and farthest depth to search, m, instead of --range; cameras anywhere need it, light fields their parameters.
+    #[arg(long, value_name = "NEAR,FAR", conflicts_with = "range", value_parser = values::depths)]
+    pub depths_m: Option<(f64, f64)>,
+    /// Camera of a folder with transforms.json whose depth is estimated [default: the nearest to the middle of all].
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
     /// Smallest and largest disparity to search, px [default: those of the input's parameters, else -4,4].
     #[arg(long, value_name = "MIN,MAX", allow_hyphen_values = true, value_parser = parse_range)]
     pub range: Option<(f64, f64)>,

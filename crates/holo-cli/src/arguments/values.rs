@@ -54,6 +54,11 @@ pub fn png(text: &str) -> Result<PathBuf, String> {
     ending_in(text, &["png"], "only PNG is written here; end the name in .png")
 }
 
+/// A file of numpy.
+pub fn npy(text: &str) -> Result<PathBuf, String> {
+    ending_in(text, &["npy"], "an array of numpy is written; end the name in .npy")
+}
+
 /// The name of a PNG, a PFM or a TIFF.
 pub fn png_or_pfm(text: &str) -> Result<PathBuf, String> {
     ending_in(text, &["png", "pfm", "tif", "tiff"], "end the name in .png, .tif, or .pfm for floats")

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use holo_core::{DynImageRef, SampleKind};
 use holo_io::dataset::Representation;
-use holo_io::{LightFieldFile, LightFieldReader, ReadOptions};
+use holo_io::{ArrayFolder, LightFieldFile, LightFieldReader, ReadOptions};
 use ndarray::{Array2, Axis};
 
 use crate::arguments::InputOptions;
@@ -97,7 +97,7 @@ fn next_to(out: &Path, suffix: &str, ending: &str) -> PathBuf {
     with_suffix(out, suffix).with_extension(ending)
 }
 
-fn with_suffix(out: &Path, suffix: &str) -> PathBuf {
+pub fn with_suffix(out: &Path, suffix: &str) -> PathBuf {
     let mut name = out.file_stem().unwrap_or_default().to_os_string();
     name.push(suffix);
     if let Some(ending) = out.extension() {
@@ -105,4 +105,18 @@ fn with_suffix(out: &Path, suffix: &str) -> PathBuf {
         name.push(ending);
     }
     out.with_file_name(name)
+}
+
+/// The camera that an option names.
+pub fn camera_named(array: &ArrayFolder, option: &str, name: &str) -> Result<usize, Failure> {
+    array.position(name).ok_or_else(|| {
+        let names = array.central_cameras().into_iter().map(|k| array.cameras()[k].name.as_str());
+        let some = names.take(4).collect::<Vec<_>>().join(", ");
+        let folder = array.folder().path().display();
+        Failure::Usage(format!(
+            "{option} {}: {folder} has no such camera; it has {}",
+            holo_core::visible(name),
+            holo_core::visible(&some)
+        ))
+    })
 }

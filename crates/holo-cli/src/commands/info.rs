@@ -35,7 +35,7 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
         FileInfo::HciFolder(folder) => parameter_lines(folder.parameters()),
         FileInfo::Manifest(manifest) => manifest_lines(&manifest),
         FileInfo::DatasetFolder(folder) => manifest_lines(folder.manifest()),
-        FileInfo::Cameras { manifest, .. } => manifest_lines(&manifest),
+        FileInfo::Cameras { manifest, .. } => manifest.map_or(Ok(()), |manifest| manifest_lines(&manifest)),
         FileInfo::PlenopticFolder(folder) => folder.manifest().map_or(Ok(()), manifest_lines),
         FileInfo::Sequence(sequence) => {
             sequence.frames().iter().try_for_each(|&frame| out!("{}", sequence.frame_path(frame).display()))

@@ -1,6 +1,6 @@
 //! Every command reads every folder that holds a light field, whatever it holds it in; and says what it reads.
 
-use crate::common::{Bench, Outcome, SCENE, read_u8, shifted_camera};
+use crate::common::{Bench, Outcome, SCENE, bench_display, read_u8, shifted_camera};
 
 fn ok(bench: &Bench, arguments: &str) -> Outcome {
     let outcome = bench.run(arguments);
@@ -24,6 +24,7 @@ fn plenoptic() -> Bench {
 
 /// Runs every command that takes a light field; each must say that it reads `what`. Views of floats become PFMs.
 fn every_command_reads(bench: &Bench, folder: &str, what: &str, ending: &str) {
+    std::fs::write(bench.path("bench.toml"), bench_display("square", 4, 4, 1)).unwrap();
     for command in [
         format!("depth {folder} --range -2,2 --effort draft --out estimate.pfm"),
         format!("refocus {folder} --disparity 0 --out sharp.png"),
@@ -32,6 +33,7 @@ fn every_command_reads(bench: &Bench, folder: &str, what: &str, ending: &str) {
         format!("extract {folder} --view 1,1 --out view.{ending}"),
         format!("epi {folder} --row 1,1 --out epi.{ending}"),
         format!("quilt {folder} --tiles 2x1 --out quilt.{ending}"),
+        format!("display {folder} --display bench.toml --out panel.{ending}"),
         format!("animate {folder} --frames --out frame.{ending}"),
         format!("remap {folder} own_vpi.{ending}"),
         format!("rotate-elements {folder} own_el.{ending}"),

@@ -45,7 +45,7 @@ fn seventeen() -> Value {
     json!({ "w": 24, "h": 16, "camera_angle_x": 0.7, "frames": (0..17).map(frame).collect::<Vec<_>>() })
 }
 
-fn numbers(row: &Value) -> Vec<f64> {
+pub fn numbers(row: &Value) -> Vec<f64> {
     row.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
 }
 
@@ -215,7 +215,7 @@ fn placed_cameras_look_at_their_target() {
 }
 
 /// Squares before a wall.
-fn boxes() -> Scene {
+pub fn boxes() -> Scene {
     let mut scene = plane();
     scene.meshes[0].positions = vec![[-8.0, -8.0, -0.6], [8.0, -8.0, -0.6], [8.0, 8.0, -0.6], [-8.0, 8.0, -0.6]];
     let half = 0.08_f32;
@@ -234,16 +234,16 @@ fn boxes() -> Scene {
     scene
 }
 
-fn ok(outcome: common::Outcome) {
+pub fn ok(outcome: common::Outcome) {
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
 }
 
-fn image(bench: &Bench, name: &str) -> ndarray::Array3<f64> {
+pub fn image(bench: &Bench, name: &str) -> ndarray::Array3<f64> {
     holo_io::read_linear(bench.path(name), &Limits::default()).unwrap().mapv(f64::from)
 }
 
 /// The root of the mean of the squared differences where both are numbers, without `border` pixels.
-fn deviation(a: &ndarray::Array3<f64>, b: &ndarray::Array3<f64>, border: usize) -> f64 {
+pub fn deviation(a: &ndarray::Array3<f64>, b: &ndarray::Array3<f64>, border: usize) -> f64 {
     assert_eq!(a.dim(), b.dim());
     let (rows, columns, _) = a.dim();
     let inside = |(v, u, _): (usize, usize, usize)| {
@@ -351,7 +351,7 @@ fn arrays_refuse_what_they_cannot_do() {
     // Other commands say what it is.
     let outcome = bench.run("info array");
     assert!(outcome.code == Some(0) && outcome.stdout.contains("images of 3 cameras anywhere"), "{outcome:?}");
-    for arguments in ["depth array --out x.pfm", "view array --out x.html", "extract array --view 0,0 --out x.png"] {
+    for arguments in ["view array --out x.html", "extract array --view 0,0 --out x.png"] {
         let outcome = bench.run(arguments);
         let is_said = outcome.stderr.contains("images of 3 cameras anywhere, which are no grid of views");
         assert!(outcome.code == Some(1) && is_said, "{arguments}: {outcome:?}");
@@ -413,4 +413,61 @@ fn deviations_are_in_the_file_and_in_the_images() {
 
 fn read_transforms(bench: &Bench, name: &str) -> Vec<holo_io::ArrayCamera> {
     holo_io::CameraArray::read(bench.path(name), holo_io::WorldUp::Y, None).unwrap().cameras
+}
+
+/// The share of pixels that are off by as much as 0.07; without a border.
+fn bad_pixels(found: &ndarray::Array2<f32>, truth: &ndarray::Array2<f32>) -> f64 {
+    let (rows, columns) = truth.dim();
+    let inside = |&((row, column), _): &((usize, usize), &f32)| {
+        (8..rows - 8).contains(&row) && (8..columns - 8).contains(&column)
+    };
+    let bad: Vec<bool> =
+        truth.indexed_iter().filter(inside).map(|(at, truth)| (found[at] - truth).abs() > 0.07).collect();
+    bad.iter().filter(|&&is_bad| is_bad).count() as f64 / bad.len() as f64
+}
+
+/// Depth from cameras that are turned and have other focal lengths is nearly as good as that from a rig at the same places.
+#[test]
+fn depth_is_estimated_from_cameras_in_a_plane() {
+    let bench = Bench::new();
+    ok(bench.run("scene tiles --out tiles.glb"));
+    let scene = holo_scene::gltf::load(&bench.path("tiles.glb"), &holo_scene::gltf::Limits::default()).unwrap().scene;
+    let pose = scene.cameras[0].pose;
+    ok(bench.run("render tiles.glb --views 7 --lenses 144x96 --spp 32 --baseline-m 0.013 --focus-m 0.68 --write el,disparity --out rig"));
+    ok(bench.run("depth rig --range=-1.2,1.2 --out rig.pfm"));
+    let read = |file: &str| read_pfm_gray(bench.path(file), &Limits::default()).unwrap();
+    let rig = bad_pixels(&read("rig.pfm"), &read("rig/scene_disparity.pfm"));
+    let mut bad = vec![rig];
+    for turn in [0.0, 0.02] {
+        let frame = |k: usize| {
+            let (down, right) = ((k / 7) as f64 - 3.0, (k % 7) as f64 - 3.0);
+            // Turned about two axes, by another angle each.
+            let (a, b) = (turn * (2.4 * k as f64).sin(), turn * (1.7 * k as f64).cos());
+            let turned = Transform::look_at([0.0; 3], [b, a, -1.0], [0.0, 1.0, 0.0]).columns;
+            let world = |v: [f64; 3]| -> [f64; 3] {
+                std::array::from_fn(|i| (0..3).map(|j| pose.columns[j][i] * v[j]).sum::<f64>())
+            };
+            let [x, y, z] = turned.map(world);
+            let offset = world([0.013 * right, -0.013 * down, 0.0]);
+            let row = |i: usize| json!([x[i], y[i], z[i], pose.translation[i] + offset[i]]);
+            json!({ "file_path": format!("images/{k}.png"), "w": 144, "h": 96, "fl_x": 200.0 * (1.0 + turn * (3.1 * k as f64).sin()),
+                "transform_matrix": [row(0), row(1), row(2), [0, 0, 0, 1]] })
+        };
+        let file = json!({ "frames": (0..49).map(frame).collect::<Vec<_>>() });
+        std::fs::write(bench.path("in.json"), file.to_string()).unwrap();
+        ok(bench.run(
+            "render tiles.glb --transforms in.json --transforms-up y --out array --spp 32 --layers depth --overwrite",
+        ));
+        ok(bench.run("depth array --depths-m 0.52,1.1 --camera 24 --out array.pfm"));
+        let focal_m = 200.0 * (1.0 + turn * (3.1 * 24.0_f64).sin()) * 0.013;
+        let disparity = |depth_m: ndarray::Array2<f32>| depth_m.mapv(|z| (focal_m / f64::from(z)) as f32);
+        bad.push(bad_pixels(&disparity(read("array.pfm")), &disparity(read("array/depth/24.pfm"))));
+    }
+    println!("{bad:?}");
+    assert!(bad[0] < 0.3 && bad[1..].iter().all(|&bad| bad < rig + 0.05), "{bad:?}");
+    // Cameras on a sphere stand in no plane with each other.
+    ok(bench.run("array sphere --count 6 --radius-m 1.5 --size 24x18 --out around.json"));
+    ok(bench.run("render tiles.glb --transforms around.json --out around --spp 1"));
+    let outcome = bench.run("depth around --depths-m 0.8,4 --out d.pfm");
+    assert!(outcome.code == Some(2) && outcome.stderr.contains("no other camera stands in the plane"), "{outcome:?}");
 }

@@ -252,3 +252,15 @@ pub fn tiny_scene() -> Scene {
         ..Scene::default()
     }
 }
+
+/// A display of columns x rows lenses over `across` x `across` pixels each, for viewers 3 m away, as a file.
+pub fn bench_display(grid: &str, columns: usize, rows: usize, across: usize) -> String {
+    let pitch_mm = 0.2 * across as f64;
+    format!(
+        "[panel]\nsize_px = [{}, {}]\npixel_um = 200.0\n[lenses]\ngrid = \"{grid}\"\npitch_mm = {pitch_mm}\ngap_mm = 3.0\n\
+         offset_mm = [{2}, {2}]\n[viewer]\ndistance_m = 3.0\n",
+        columns * across,
+        rows * across,
+        pitch_mm / 2.0
+    )
+}

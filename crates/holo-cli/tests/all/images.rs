@@ -1,6 +1,6 @@
 //! `holo extract`, `compose`, `rotate-elements`, `quilt`, `animate` and `optics`: light fields taken apart and put together.
 
-use crate::common::{Bench, Outcome, read_u8, small_split};
+use crate::common::{Bench, Outcome, bench_display, read_u8, small_split};
 use holo_core::{GridSize, LightFieldOwned};
 use ndarray::s;
 use serde_json::Value;
@@ -78,6 +78,37 @@ fn a_quilt_holds_a_row_of_views_from_the_bottom_left() {
     assert_eq!(quilt.slice(s![..rows, columns.., ..]), field.view(1, 4).unwrap());
 }
 
+/// What eyes see of a display agrees with the views of a rig twice as dense, rendered on their own: those at views and those
+/// between them.
+#[test]
+fn an_eye_before_a_display_sees_the_rendered_views() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("bench.toml"), bench_display("square", 36, 24, 5)).unwrap();
+    let scene = "render plaster.glb --lenses 36x24 --spp 64 --denoise off --exposure 0 --write el --quiet";
+    ok(bench.run("scene plaster --out plaster.glb"));
+    ok(bench.run(&format!("{scene} --views 5 --baseline-m 0.04 --out out")));
+    ok(bench.run(&format!("{scene} --views 9 --baseline-m 0.02 --out dense")));
+    let shape = holo_core::LightFieldShape::new(GridSize::new(9, 9), GridSize::new(24, 36)).unwrap();
+    let dense = LightFieldOwned::from_elemental_grid(read_u8(bench.path("dense/scene_el.png")), shape).unwrap();
+    // The zone of a lens is a meter wide at 3 m, 20 cm for a view.
+    let psnr = |eye: [f64; 2], view: (usize, usize)| {
+        let arguments = format!("display out --display bench.toml --eye {},{},3 --out eye.png", eye[0], eye[1]);
+        ok(bench.run(&arguments));
+        let seen = read_u8(bench.path("eye.png"));
+        holo_core::metrics::psnr_db(&seen, &dense.view(view.0, view.1).unwrap().to_owned(), 255.0).unwrap()
+    };
+    let pairs = [
+        ("at a view", psnr([0.0, 0.0], (4, 4)), 34.0),
+        ("at the corner", psnr([0.4, -0.4], (8, 8)), 34.0),
+        ("between views", psnr([0.1, 0.1], (3, 5)), 28.0),
+        ("elsewhere", -psnr([0.4, -0.4], (0, 0)), -25.0),
+    ];
+    println!("{pairs:?}");
+    for (what, found, least) in pairs {
+        assert!(found > least, "{what}: {found} dB, expected {least}");
+    }
+}
+
 #[test]
 fn an_animation_walks_through_the_views() {
     let bench = Bench::new();
@@ -120,6 +151,8 @@ fn optics_tell_what_the_rig_tells_and_find_one() {
 fn wrong_use_is_said() {
     let bench = Bench::new();
     bench.render("out", "");
+    std::fs::write(bench.path("small.toml"), bench_display("lenticular", 12, 8, 4)).unwrap();
+    std::fs::write(bench.path("fine.toml"), bench_display("square", 12, 8, 5)).unwrap();
     for (arguments, part) in [
         ("extract out --view 5,0 --out x.png", "view column"),
         ("extract out --view 0-7,0 --out x.png", "view column"),
@@ -130,6 +163,14 @@ fn wrong_use_is_said() {
         ("compose out --views 3 --out x.png", "neither --to nor the name"),
         ("quilt out --tiles 3x2 --out x.png", "views of a row"),
         ("quilt out --tiles 2x2 --row 4 --out x.png", "view row"),
+        ("display out --display small.toml --row 4 --out x.png", "view row"),
+        ("display out --display small.toml --disparity 1 --distance-m 2 --out x.png", "cannot be used with"),
+        ("display out --display small.toml --eye 0,0,-1 --out x.png", "distance of the eye"),
+        ("display out --display small.toml --eye 0,0 --out x.png", "X,Y,Z"),
+        (
+            "display out --display fine.toml --out x.png",
+            "5.0 pixels behind a lens from top to bottom, and the light field 4.0 views",
+        ),
         ("animate out --path circle --row 1 --out x.png", "sweep and ping-pong"),
         ("animate out --path sweep --row 4 --out x.png", "view row"),
         ("animate out --fps 0 --out x.png", "0.01 to 600"),

@@ -28,6 +28,7 @@ mod mutated_scenes;
 mod outputs_and_folders;
 mod pinned;
 mod plenoptic_cameras;
+mod posed_rigs;
 mod preview;
 mod raw_images;
 mod render_outputs;

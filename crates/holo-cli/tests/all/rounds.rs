@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::process::Stdio;
 use std::time::Duration;
 
-use crate::common::{Bench, SCENE, SMALL, camera_with_sensor};
+use crate::common::{Bench, SCENE, SMALL, bench_display, camera_with_sensor};
 
 fn rounds() -> u32 {
     std::env::var("HOLO_ROUNDS").map_or(70, |count| count.parse().expect("HOLO_ROUNDS is a number"))
@@ -15,6 +15,7 @@ fn rounds() -> u32 {
 /// A bench with the inputs of every command that writes.
 fn bench() -> Bench {
     let bench = Bench::new();
+    std::fs::write(bench.path("bench.toml"), bench_display("square", 4, 4, 1)).unwrap();
     std::fs::write(bench.path("small.toml"), camera_with_sensor()).unwrap();
     let frame = |name: &str, x: f64| {
         let rows = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
@@ -32,6 +33,9 @@ fn bench() -> Bench {
         "render pendulum.glb --lenses 12x8 --views 3x2 --spp 1 --frame 3-5 --quiet --out moving",
         &format!("dataset --out made --scenes none --glb {SCENE} --splits 2,3 --sensor 30x20 --spp 1 --quiet"),
         "develop raw/raw.exr --camera-file small.toml --out codes.png",
+        &format!(
+            "render {SCENE} --out cameras --transforms poses.json --transforms-up y --layers depth --spp 1 --quiet"
+        ),
         "extract field --view all --out views/view.png",
         "depth field --out estimate.pfm",
     ] {
@@ -67,6 +71,9 @@ fn commands() -> Vec<String> {
         "remap field/scene_vpi.png killed_el.png --from vpi --to el --views 5x4",
         "extract field --view 1,1 --out killed.png",
         "quilt field --tiles 5x1 --out killed.png",
+        "correspond cameras --from left --to right --out killed.npy",
+        "depth cameras --depths-m 0.5,4 --out killed.pfm",
+        "display field --display bench.toml --out killed.png",
         "refocus field --disparity 0.5 --out killed.png",
         "depth field --out killed.pfm --confidence killed_confidence.pfm",
         "view field --out killed.html",

@@ -53,7 +53,6 @@ fn tools_for_whole_grids_refuse_a_subset() {
     run(&bench, &format!("{SMALL} --out s --subset cross"));
     for line in [
         "refocus s/hci --distance-m 1 --out r.png",
-        "depth s/hci --out d.pfm",
         "extract s/hci --view 0,0 --out v.png",
         "view s/hci --out v.html",
         "animate s/hci --out a.png",
@@ -69,6 +68,48 @@ fn tools_for_whole_grids_refuse_a_subset() {
     // The folder above says what it holds.
     let outcome = bench.run("refocus s --distance-m 1 --out r.png");
     assert!(outcome.code == Some(1) && outcome.stderr.contains("no raw image"), "{outcome:?}");
+}
+
+/// Depth from a cross is that from the cross of all views, whichever folder has it, and it is right.
+#[test]
+fn depth_is_estimated_from_some_of_the_views() {
+    let bench = Bench::new();
+    run(&bench, "scene tiles --out tiles.glb");
+    let render = "render tiles.glb --views 7 --lenses 96x64 --spp 32 --disparity -1,1 --exposure 0 --quiet";
+    run(&bench, &format!("{render} --write el,disparity --out whole"));
+    let score = |map: &str| {
+        let outcome = bench.run(&format!("eval {map} whole/scene_disparity.pfm --border 8 --json"));
+        let scores: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+        scores["bad_pixels_0.07_percent"].as_f64().unwrap_or_else(|| panic!("{scores}"))
+    };
+    run(&bench, "depth whole --out all.pfm");
+    let all = score("all.pfm");
+    for subset in ["cross", "star", "3,3;0,0;6,0;0,6;6,6;2,5"] {
+        run(&bench, &format!("{render} --subset {subset} --out some --overwrite"));
+        run(&bench, "depth some/hci --out some.pfm");
+        run(&bench, "depth some --out same.pfm");
+        run(&bench, &format!("depth whole --subset {subset} --out whole.pfm"));
+        let read = |name: &str| std::fs::read(bench.path(name)).unwrap();
+        assert!(read("some.pfm") == read("whole.pfm") && read("same.pfm") == read("some.pfm"), "{subset}");
+        let bad = score("some.pfm");
+        println!("{subset}: {bad}");
+        // As good as from all views: small images, whose edges are many.
+        assert!(bad < all + 3.0, "{subset}: {bad} {all}");
+    }
+    // By depth instead of disparity.
+    run(&bench, "depth whole --subset cross --depths-m 0.5,inf --out d.pfm");
+    for (line, part) in [
+        (
+            "depth whole --subset 0,0;6,6 --out d.pfm",
+            "the view in column 3, row 3, whose disparity is estimated, is not among the views",
+        ),
+        ("depth whole --subset ring --out d.pfm", "star"),
+        ("depth whole --camera a --out d.pfm", "no transforms.json"),
+        ("depth whole --range -1,1 --depths-m 1,2 --out d.pfm", "cannot be used with"),
+    ] {
+        let outcome = bench.run(line);
+        assert!(outcome.code == Some(2) && outcome.stderr.contains(part), "{line}: {outcome:?}");
+    }
 }
 
 #[test]

@@ -4,7 +4,8 @@ use super::rotation::{dot, rotation_near};
 use crate::error::positive;
 use crate::{Error, GridSize};
 
-/// A pinhole camera anywhere in the world: square pixels, and the principal point in the middle of the image.
+/// A pinhole camera anywhere in the world with square pixels. Its principal point is the middle of the image unless it is set:
+/// the views of a [`Rig`](crate::Rig) have it elsewhere.
 ///
 /// # Units
 ///
@@ -28,6 +29,8 @@ pub struct Pinhole {
     position_m: [f64; 3],
     focal_px: f64,
     size: GridSize,
+    /// Row and column.
+    principal_point: [f64; 2],
 }
 
 impl Pinhole {
@@ -45,7 +48,8 @@ impl Pinhole {
         if let Some(&value) = position_m.iter().find(|x| !x.is_finite()) {
             return Err(Error::BadNumber { what: "position of a camera in meters", value, need: "finite" });
         }
-        Ok(Self { axes: rotation_near(axes)?, position_m, focal_px, size })
+        let principal_point = [size.rows, size.columns].map(|count| (count - 1) as f64 / 2.0);
+        Ok(Self { axes: rotation_near(axes)?, position_m, focal_px, size, principal_point })
     }
 
     /// The axes +X (right), +Y (up) and +Z (back), each of length 1.
@@ -72,6 +76,24 @@ impl Pinhole {
         self.size
     }
 
+    /// Returns the camera with the principal point at a row and a column, where it sees along its axis.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if they are not finite.
+    pub fn with_principal_point(self, principal_point: [f64; 2]) -> Result<Self, Error> {
+        match principal_point.iter().find(|at| !at.is_finite()) {
+            Some(&value) => Err(Error::BadNumber { what: "principal point in pixels", value, need: "finite" }),
+            None => Ok(Self { principal_point, ..self }),
+        }
+    }
+
+    /// The row and the column where it sees along its axis.
+    #[must_use]
+    pub const fn principal_point(&self) -> [f64; 2] {
+        self.principal_point
+    }
+
     /// The way of the light of a place of the image, in the world, per meter of depth.
     #[must_use]
     pub fn direction(&self, place: [f64; 2]) -> [f64; 3] {
@@ -96,18 +118,14 @@ impl Pinhole {
 
     /// Meters to the right and up per meter of depth.
     pub(crate) fn slopes(&self, [row, column]: [f64; 2]) -> [f64; 2] {
-        let [middle_row, middle_column] = self.middle();
+        let [middle_row, middle_column] = self.principal_point;
         [(column - middle_column) / self.focal_px, (middle_row - row) / self.focal_px]
     }
 
     /// The place at which slopes are seen.
     pub(crate) fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let [middle_row, middle_column] = self.middle();
+        let [middle_row, middle_column] = self.principal_point;
         [middle_row - y * self.focal_px, middle_column + x * self.focal_px]
-    }
-
-    fn middle(&self) -> [f64; 2] {
-        [(self.size.rows - 1) as f64 / 2.0, (self.size.columns - 1) as f64 / 2.0]
     }
 }
 
@@ -137,6 +155,7 @@ impl Relative {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{LightFieldShape, Projection, Rig};
 
     const SIZE: GridSize = GridSize::new(6, 9);
 
@@ -161,6 +180,30 @@ mod tests {
             let behind = std::array::from_fn(|k| camera.position_m()[k] - direction[k]);
             assert_eq!(camera.place_of(behind), None);
         }
+    }
+
+    /// The views of a rig are pinholes with its rays.
+    #[test]
+    fn views_of_rigs_are_pinholes() {
+        let shape = LightFieldShape::new(GridSize::new(3, 5), GridSize::new(20, 30)).expect("a shape");
+        let builder = Rig::builder(shape).focal_length_m(0.04).baseline_x_m(0.05).baseline_y_m(0.03);
+        for focus_m in [1.7, f64::INFINITY] {
+            let rig = builder.focus_distance_m(focus_m).build().expect("a rig");
+            let base = turned();
+            for (t, s) in [(0, 0), (1, 2), (2, 4), (0, 3)] {
+                let view = rig.pinhole(t, s, base.axes(), base.position_m()).expect("a camera");
+                for (v, u, depth_m) in [(0, 0, 0.3), (7, 19, 2.0), (19, 29, 40.0)] {
+                    let [x, y, z] = rig.ray(v, u, t, s, 0.5, 0.5).at_depth_m(depth_m);
+                    let [right, up, back] = base.axes();
+                    let point = std::array::from_fn(|k| base.position_m()[k] + x * right[k] + y * up[k] + z * back[k]);
+                    let ([row, column], found_m) = view.place_of(point).expect("in front");
+                    assert!((row - v as f64).abs() < 1e-9 && (column - u as f64).abs() < 1e-9, "{row} {column}");
+                    assert!((found_m / depth_m - 1.0).abs() < 1e-12);
+                }
+            }
+        }
+        let flat = builder.focus_distance_m(1.0).projection(Projection::Orthographic).build().expect("a rig");
+        assert!(flat.pinhole(0, 0, turned().axes(), [0.0; 3]).is_err());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The camera rig: a grid of parallel cameras whose sensors are shifted so that all views share one focus plane.
 
-use super::{Intrinsics, RigBuilder};
-use crate::{Disparity, LightFieldShape, Projection};
+use super::{Intrinsics, Pinhole, RigBuilder};
+use crate::{Disparity, Error, LightFieldShape, Projection};
 
 /// A validated camera rig: a grid of parallel pinhole cameras that share one focus plane.
 ///
@@ -232,6 +232,25 @@ impl Rig {
             Projection::Orthographic => (point - view + view / focus_m * depth_m) / focus_m,
         };
         Some((self.row(slope(point_m[1], y_m)), self.column(slope(point_m[0], x_m))))
+    }
+
+    /// Returns the camera of view `(t, s)` of the rig at a pose: its axes +X (right), +Y (up) and +Z (back) in the world, and its
+    /// position.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] for an orthographic rig, whose views are no pinholes, and as [`Pinhole::new`].
+    pub fn pinhole(&self, t: usize, s: usize, axes: [[f64; 3]; 3], position_m: [f64; 3]) -> Result<Pinhole, Error> {
+        let (x_m, y_m) = (self.view_x_m(s), self.view_y_m(t));
+        if self.numbers.projection == Projection::Orthographic {
+            let (what, value) = ("focal length of an orthographic view", f64::INFINITY);
+            return Err(Error::BadNumber { what, value, need: "finite; only perspective views are pinholes" });
+        }
+        let [right, up, _] = axes;
+        let position_m = std::array::from_fn(|k| position_m[k] + x_m * right[k] + y_m * up[k]);
+        let focus_m = self.numbers.focus_distance_m;
+        let camera = Pinhole::new(axes, position_m, 1.0 / self.slope_per_px, self.shape().lenses())?;
+        camera.with_principal_point([self.row(y_m / focus_m) - 0.5, self.column(x_m / focus_m) - 0.5])
     }
 
     /// Returns the disparity along x, which is the disparity of files.

@@ -30,6 +30,14 @@ pub(super) struct Settings {
     pub(super) radius_px: usize,
 }
 
+impl Settings {
+    /// The largest number of views around the central one.
+    pub(super) fn most_views(&self) -> usize {
+        let arms = if self.has_diagonals { 8 } else { 4 };
+        self.views_per_arm.map_or(80, |views| arms * views)
+    }
+}
+
 impl Effort {
     pub(super) fn settings(self) -> Settings {
         let balanced = Settings {

@@ -39,10 +39,16 @@ pub(super) struct Views {
     pub(super) directions: [(f32, f32); 8],
 }
 
+/// A view and where it stands: rows down and columns to the right, with the baselines, and its arm.
+pub(super) struct Placed<'a, T> {
+    pub(super) down: f32,
+    pub(super) right: f32,
+    pub(super) arm: usize,
+    pub(super) image: ArrayView3<'a, T>,
+}
+
 impl Views {
-    /// Copies the star of views of the settings.
-    ///
-    /// Views at the place of the central one are left out: in a rig without vertical baseline, those of its column.
+    /// Copies the star or the grid of views of the settings.
     pub(super) fn gather<S>(
         light_field: &LightField<S>,
         settings: &Settings,
@@ -52,44 +58,57 @@ impl Views {
         S: Data,
         S::Elem: Sample,
     {
-        let (size, views) = (light_field.shape().lenses(), light_field.shape().views());
-        // Two channels are gray and alpha, four are color and alpha.
-        let colors = if light_field.channels() >= 3 { 3 } else { 1 };
-        let channels = if settings.is_grey { 1 } else { colors };
-        let length =
-            checked_product(&[size.rows, size.columns, channels]).ok_or(Error::TooLarge { what: "plane of a view" })?;
-
+        let views = light_field.shape().views();
         let (middle_row, middle_column) = (views.rows / 2, views.columns / 2);
-        let mut center = filled("the central view", length, 0.0)?;
-        copy(&light_field.view(middle_row, middle_column)?, colors, channels, &mut center)?;
-        let scale = if S::Elem::WHITE.is_none() { Scale::of(&center) } else { Scale::IDENTITY };
-        scale.apply(&mut center);
-
-        let (mut others, mut places) = (Vec::new(), Vec::new());
-        let chosen = chosen(views, settings);
-        if chosen.is_empty() {
-            return Err(Error::ZeroCount { what: "views beside the central one" });
-        }
-        for (row, column, arm) in chosen {
+        let center = light_field.view(middle_row, middle_column)?;
+        let placed = |(row, column, arm): (usize, usize, usize)| {
             let (down, right) = (row as f64 - middle_row as f64, column as f64 - middle_column as f64);
             let (down, right) = ((down * ratio.vertical()) as f32, (right * ratio.horizontal()) as f32);
+            Ok(Placed { down, right, arm, image: light_field.view(row, column)? })
+        };
+        let others = chosen(views, settings).into_iter().map(placed).collect::<Result<Vec<_>, Error>>()?;
+        Self::of(center, &others, settings, ratio)
+    }
+
+    /// Copies views around a central one.
+    ///
+    /// Views at the place of the central one are left out: in a rig without vertical baseline, those of its column.
+    pub(super) fn of<T: Sample>(
+        central: ArrayView3<'_, T>,
+        placed: &[Placed<'_, T>],
+        settings: &Settings,
+        ratio: BaselineRatio,
+    ) -> Result<Self, Error> {
+        let (rows, columns, all_channels) = central.dim();
+        // Two channels are gray and alpha, four are color and alpha.
+        let colors = if all_channels >= 3 { 3 } else { 1 };
+        let channels = if settings.is_grey { 1 } else { colors };
+        let length = checked_product(&[rows, columns, channels]).ok_or(Error::TooLarge { what: "plane of a view" })?;
+        let mut center = filled("the central view", length, 0.0)?;
+        copy(&central, colors, channels, &mut center)?;
+        let scale = if T::WHITE.is_none() { Scale::of(&center) } else { Scale::IDENTITY };
+        scale.apply(&mut center);
+
+        if placed.is_empty() {
+            return Err(Error::ZeroCount { what: "views beside the central one" });
+        }
+        let (mut others, mut images) = (Vec::new(), Vec::new());
+        for &Placed { down, right, arm, image } in placed {
             let reach = down.abs().max(right.abs());
             if reach > 0.0 {
                 others.push(View { down, right, arm, reach, samples: filled("a view", length, 0.0)? });
-                places.push((row, column));
+                images.push(image);
             }
         }
         if others.is_empty() {
             return Err(Error::NoBaseline);
         }
-        // The storage `S` need not be `Sync`; a borrowed array of samples is.
-        let light_field = light_field.as_light_field_ref();
-        others.par_iter_mut().zip(&places).try_for_each(|(view, &(row, column))| {
-            copy(&light_field.view(row, column)?, colors, channels, &mut view.samples)?;
+        others.par_iter_mut().zip(&images).try_for_each(|(view, image)| {
+            copy(image, colors, channels, &mut view.samples)?;
             scale.apply(&mut view.samples);
             Ok(())
         })?;
-        Ok(Self { size, channels, center, others, directions: directions(ratio) })
+        Ok(Self { size: GridSize::new(rows, columns), channels, center, others, directions: directions(ratio) })
     }
 
     /// The largest movement of a point between the central view and another, in pixels per pixel of disparity.
@@ -141,6 +160,13 @@ fn chosen(views: GridSize, settings: &Settings) -> Vec<(usize, usize, usize)> {
     }
 }
 
+/// The arm whose direction is nearest to that of a place.
+pub(super) fn nearest_arm(down: f32, right: f32) -> usize {
+    // Clockwise from the right, as the arms.
+    let eighth = down.atan2(right) / std::f32::consts::FRAC_PI_4;
+    (eighth.round() as i32).rem_euclid(8) as usize
+}
+
 /// A grid of views, evenly spaced along both axes, the outermost included. Each belongs to the nearest arm.
 fn grid(views: GridSize) -> Vec<(usize, usize, usize)> {
     let along = |count: usize| -> Vec<usize> {
@@ -156,9 +182,7 @@ fn grid(views: GridSize) -> Vec<(usize, usize, usize)> {
         for column in along(views.columns) {
             let (down, right) = (row as f32 - (views.rows / 2) as f32, column as f32 - (views.columns / 2) as f32);
             if (down, right) != (0.0, 0.0) {
-                // Clockwise from the right, as the arms.
-                let eighth = down.atan2(right) / std::f32::consts::FRAC_PI_4;
-                chosen.push((row, column, (eighth.round() as i32).rem_euclid(8) as usize));
+                chosen.push((row, column, nearest_arm(down, right)));
             }
         }
     }

@@ -1,7 +1,10 @@
 //! What the images of cameras anywhere make together: the image of one wide aperture, and views between the cameras.
 
-use holo_core::refocus::{ApertureShape, FocalSurface, Kernel, SyntheticAperture};
-use holo_core::{Pinhole, PosedView, SynthesizedImage, ViewSynthesis};
+use holo_core::refocus::{ApertureShape, FocalPlane, FocalSurface, Kernel, SyntheticAperture};
+use holo_core::{
+    Correspondence, Effort, OffsetView, Pinhole, PlaneSweepOptions, PosedView, SynthesizedImage, ViewSynthesis,
+    plane_sweep_of_views,
+};
 use holo_io::{ArrayFolder, Limits};
 use holo_scene::Transform;
 use ndarray::{Array2, Array3};
@@ -23,12 +26,12 @@ pub struct ArrayViewpoint {
 }
 
 impl ArrayViewpoint {
-    /// Returns the camera at the viewpoint, with the pixels and the focal length of the nearest camera of the array.
+    /// Returns the number of the camera that is nearest to the viewpoint; without `eye` to the middle of all.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRequest`] if it looks nowhere, or upward along its line of sight; those of [`ArrayFolder::pinhole`].
-    pub fn camera(&self, array: &ArrayFolder) -> Result<Pinhole, Error> {
+    /// [`Error::BadRequest`] without cameras; those of [`ArrayFolder::pinhole`].
+    pub fn nearest(&self, array: &ArrayFolder) -> Result<usize, Error> {
         let cameras = pinholes(array)?;
         let count = cameras.len();
         let at = self.eye.unwrap_or_else(|| {
@@ -39,9 +42,20 @@ impl ArrayViewpoint {
         let away = |camera: &Pinhole| (0..3).map(|k| (camera.position_m()[k] - at[k]).powi(2)).sum::<f64>();
         // The first of equally near ones: rounding does not choose.
         let nearest = cameras.iter().map(away).fold(f64::INFINITY, f64::min) * (1.0 + 1e-9);
-        let Some(base) = cameras.iter().find(|camera| away(camera) <= nearest) else {
-            return Err(Error::BadRequest(format!("{}: it has no cameras", array.folder().path().display())));
-        };
+        let found = cameras.iter().position(|camera| away(camera) <= nearest);
+        found.ok_or_else(|| Error::BadRequest(format!("{}: it has no cameras", array.folder().path().display())))
+    }
+
+    /// Returns the camera at the viewpoint, with the pixels and the focal length of the nearest camera of the array.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadRequest`] if it looks nowhere, or upward along its line of sight; those of [`ArrayFolder::pinhole`].
+    pub fn camera(&self, array: &ArrayFolder) -> Result<Pinhole, Error> {
+        let base = array.pinhole(self.nearest(array)?)?;
+        if (self.eye, self.target, self.up) == (None, None, None) {
+            return Ok(base);
+        }
         let eye = self.eye.unwrap_or(base.position_m());
         let ahead = |k: usize| eye[k] - base.axes()[2][k];
         let pose = match (self.target, self.up) {
@@ -99,14 +113,7 @@ pub fn synthesize_from_array(array: &ArrayFolder, view: &Pinhole, kernel: Kernel
     let cameras = pinholes(array)?;
     let limits = Limits::default();
     let read = |k: usize| -> Result<(Pinhole, Array3<f32>, Array2<f32>), Error> {
-        let depth_m = array.depth_m(k, &limits)?.ok_or_else(|| {
-            let name = holo_core::visible(&array.cameras()[k].name);
-            Error::BadRequest(format!(
-                "{}: camera '{name}' has no depth; render the array with the layer `depth`",
-                array.folder().path().display()
-            ))
-        })?;
-        Ok((cameras[k], array.image(k, &limits)?, depth_m))
+        Ok((cameras[k], array.image(k, &limits)?, depth_m(array, k)?))
     };
     let near = ViewSynthesis::cameras_near(&cameras, view);
     let read = near.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
@@ -115,4 +122,128 @@ pub fn synthesize_from_array(array: &ArrayFolder, view: &Pinhole, kernel: Kernel
         .map(|(camera, image, depth_m)| PosedView { camera: *camera, image: image.view(), depth_m: depth_m.view() })
         .collect();
     Ok(ViewSynthesis::default().kernel(kernel).at_camera(&posed, view)?)
+}
+
+/// Returns where camera `to` of an array sees the points of the pixels of camera `from`, both counted from 0.
+///
+/// # Errors
+///
+/// [`Error::BadRequest`] if a camera has no depth, or both see the scene at different times; those of reading depths and of
+/// [`Pinhole::correspondences`].
+pub fn correspondences(array: &ArrayFolder, from: usize, to: usize) -> Result<Array2<Correspondence>, Error> {
+    let ([first, second], maps) =
+        ([array.pinhole(from)?, array.pinhole(to)?], [depth_m(array, from)?, depth_m(array, to)?]);
+    if array.cameras()[from].time_s != array.cameras()[to].time_s {
+        let [from, to] = [from, to].map(|k| holo_core::visible(&array.cameras()[k].name));
+        let what = format!("cameras '{from}' and '{to}' see the scene at different times, so points may have moved");
+        return Err(Error::BadRequest(what));
+    }
+    Ok(first.correspondences(&maps[0], &second, &maps[1])?)
+}
+
+/// The depth of camera `k`, which must be there.
+fn depth_m(array: &ArrayFolder, k: usize) -> Result<Array2<f32>, Error> {
+    array.depth_m(k, &Limits::default())?.ok_or_else(|| {
+        let name = holo_core::visible(&array.cameras()[k].name);
+        Error::BadRequest(format!(
+            "{}: camera '{name}' has no depth; render the array with the layer `depth`, of light fields with the truth of all views",
+            array.folder().path().display()
+        ))
+    })
+}
+
+/// How far the corners of an image may move because a camera stands before or behind the plane of the others, px.
+const OUT_OF_PLANE_PX: f64 = 0.5;
+
+/// The value of pixels that a turned camera does not see: far from every color.
+const UNSEEN: f32 = 1e9;
+
+/// The depth of a camera of an array, estimated from the others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArrayDepth {
+    /// Planar depth, m; axes (row, column).
+    pub depth_m: Array2<f32>,
+    /// From 0 to 1; axes (row, column).
+    pub confidence: Array2<f32>,
+    /// How many others stand in a plane with the camera.
+    pub others: usize,
+}
+
+/// Estimates the depth of camera `k` of an array between two depths, in meters; the farther one may be infinite. Cameras that stand in
+/// a plane with it are turned to its direction and its focal length; those that do not are left out.
+///
+/// # Errors
+///
+/// [`Error::BadRequest`] if the range is empty, or no other camera stands in the plane; those of [`plane_sweep_of_views`] and of
+/// reading images.
+pub fn estimate_depth(
+    array: &ArrayFolder,
+    k: usize,
+    [near_m, far_m]: [f64; 2],
+    effort: Effort,
+) -> Result<ArrayDepth, Error> {
+    if !(near_m > 0.0 && near_m.is_finite() && far_m > near_m) {
+        return Err(Error::BadRequest(format!(
+            "depths from {near_m} to {far_m} m are no range; give the nearer one first"
+        )));
+    }
+    let view = array.pinhole(k)?;
+    let [right, up, back] = view.axes();
+    let mut others = Vec::new();
+    let (mut least_px, corner_px) = (f64::INFINITY, view.size().rows.max(view.size().columns) as f64 / 2.0);
+    for (index, camera) in pinholes(array)?.into_iter().enumerate() {
+        let away: [f64; 3] = std::array::from_fn(|axis| camera.position_m()[axis] - view.position_m()[axis]);
+        let along = |axis: [f64; 3]| (0..3).map(|k| axis[k] * away[k]).sum::<f64>();
+        let sideways_m = along(right).hypot(along(up));
+        if index == k || sideways_m == 0.0 {
+            continue;
+        }
+        let moved_px = along(back).abs() / near_m * corner_px;
+        least_px = least_px.min(moved_px);
+        if moved_px <= OUT_OF_PLANE_PX {
+            others.push((index, camera, [-along(up), along(right)], sideways_m));
+        }
+    }
+    let name = holo_core::visible(&array.cameras()[k].name);
+    let Some(widest_m) = others.iter().map(|&(.., sideways_m)| sideways_m).reduce(f64::max) else {
+        return Err(Error::BadRequest(format!(
+            "no other camera stands in the plane of camera '{name}': the nearest to it moves the corners of the image by {least_px:.1} px \
+             at {near_m} m, and {OUT_OF_PLANE_PX} are allowed"
+        )));
+    };
+    // Disparities and confidences are those of a grid of 9 x 9 cameras as wide.
+    let base_m = widest_m / 4.0;
+    let limits = Limits::default();
+    let central = array.image(k, &limits)?;
+    let mut images = Vec::new();
+    for (index, camera, ..) in &others {
+        images.push(turned(array.image(*index, &limits)?, camera, &view)?);
+    }
+    let placed: Vec<OffsetView<'_, f32>> = others
+        .iter()
+        .zip(&images)
+        .map(|((.., [down_m, right_m], _), image)| OffsetView {
+            down: down_m / base_m,
+            right: right_m / base_m,
+            image: image.view(),
+        })
+        .collect();
+    // A point at depth z moves by this over z for every base.
+    let scale = view.focal_px() * base_m;
+    let options = PlaneSweepOptions::default().range_px((scale / far_m) as f32, (scale / near_m) as f32).effort(effort);
+    let estimate = plane_sweep_of_views(central.view(), &placed, &options)?;
+    let depth_m = estimate.disparity_px.mapv_into(|disparity_px| (scale / f64::from(disparity_px)) as f32);
+    Ok(ArrayDepth { depth_m, confidence: estimate.confidence, others: others.len() })
+}
+
+/// The image of a camera as one at its place sees it that looks as another one does.
+fn turned(image: Array3<f32>, camera: &Pinhole, like: &Pinhole) -> Result<Array3<f32>, Error> {
+    let there = Pinhole::new(like.axes(), camera.position_m(), like.focal_px(), like.size())?
+        .with_principal_point(like.principal_point())?;
+    if there == *camera {
+        return Ok(image);
+    }
+    let mut sum = SyntheticAperture::new(there, Kernel::default());
+    sum.add(camera, image.view(), 1.0, FocalSurface::Plane(FocalPlane::new(f64::INFINITY)?))?;
+    Ok(sum.image()?.mapv_into(|light| if light.is_finite() { light } else { UNSEEN }))
 }

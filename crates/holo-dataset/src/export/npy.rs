@@ -1,7 +1,6 @@
 //! Arrays of numpy: `OUT/<scene>.npy`, uint8 of shape (T, S, V, U, 3), and `OUT/<scene>_disparity.npy`, float32 (V, U).
-//!
-//! # Source
-//! The format of `numpy.lib.format`, version 1.0.
+
+use holo_io::encode_npy;
 
 use super::source::LoadedField;
 use super::{ExportJob, ExportTarget, Writer, unchecked};
@@ -23,31 +22,15 @@ fn write(folder: &mut OutputFolder, loaded: &LoadedField, _: &ExportJob) -> Resu
     let samples = loaded.field.samples();
     // From (v, u, t, s, c) to (t, s, v, u, c).
     let views_first = samples.permuted_axes([2, 3, 0, 1, 4]);
-    let bytes = array("|u1", views_first.shape(), views_first.iter().copied());
+    let bytes = encode_npy("|u1", views_first.shape(), views_first.iter().copied());
     let mut files = vec![(format!("{}.npy", loaded.name), bytes)];
     if let Some(disparity) = &loaded.disparity_px {
         let values = disparity.iter().flat_map(|value| value.to_le_bytes());
-        files.push((format!("{}_disparity.npy", loaded.name), array(FLOAT, disparity.shape(), values)));
+        files.push((format!("{}_disparity.npy", loaded.name), encode_npy(FLOAT, disparity.shape(), values)));
     }
     for (name, bytes) in files {
         let written = holo_io::write_file(folder.file(&name), &bytes)?;
         folder.add(name, written);
     }
     Ok(())
-}
-
-/// An array in C order; its header is padded to 64 bytes.
-pub(super) fn array(kind: &str, shape: &[usize], values: impl Iterator<Item = u8>) -> Vec<u8> {
-    const START: &[u8] = b"\x93NUMPY\x01\x00";
-    let shape: Vec<String> = shape.iter().map(ToString::to_string).collect();
-    let text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({},), }}", shape.join(", "));
-    let length = (START.len() + 2 + text.len() + 1).next_multiple_of(64) - START.len() - 2;
-    let mut out = START.to_vec();
-    // Far below 65,536.
-    out.extend_from_slice(&(length as u16).to_le_bytes());
-    out.extend_from_slice(text.as_bytes());
-    out.resize(START.len() + 2 + length - 1, b' ');
-    out.push(b'\n');
-    out.extend(values);
-    out
 }

@@ -4,7 +4,7 @@
 use holo_core::GridSize;
 use holo_io::{ColorEncoding, Compression};
 
-use super::npy::{FLOAT, array};
+use super::npy::FLOAT;
 use super::source::LoadedField;
 use super::{ExportJob, ExportTarget, LoadedNote, Writer};
 use crate::Error;
@@ -38,7 +38,7 @@ fn write(folder: &mut OutputFolder, loaded: &LoadedField, _: &ExportJob) -> Resu
     if let Some(disparity) = &loaded.disparity_px {
         let name = format!("{inner}/{0}_{0}_disparity.npy", SIDE / 2 + 1);
         let values = disparity.iter().flat_map(|value| value.to_le_bytes());
-        let written = holo_io::write_file(folder.file(&name), &array(FLOAT, disparity.shape(), values))?;
+        let written = holo_io::write_file(folder.file(&name), &holo_io::encode_npy(FLOAT, disparity.shape(), values))?;
         folder.add(name, written);
     }
     Ok(())

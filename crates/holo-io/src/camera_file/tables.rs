@@ -271,16 +271,16 @@ pub(super) fn missing(key: &str) -> String {
     format!("{key} is missing")
 }
 
-fn finite(key: &str, value: f64) -> Result<f64, String> {
+pub(crate) fn finite(key: &str, value: f64) -> Result<f64, String> {
     if value.is_finite() { Ok(value) } else { Err(format!("{key} is {value}; give a finite number")) }
 }
 
-pub(super) fn positive(key: &str, value: f64) -> Result<f64, String> {
+pub(crate) fn positive(key: &str, value: f64) -> Result<f64, String> {
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err(format!("{key} is {value}; give a number above 0")) }
 }
 
 /// Micrometers, or the length of a preset.
-pub(super) fn length(key: &str, um: Option<f64>, base_m: Option<f64>) -> Result<f64, String> {
+pub(crate) fn length(key: &str, um: Option<f64>, base_m: Option<f64>) -> Result<f64, String> {
     match (um, base_m) {
         (Some(um), _) => Ok(meters(positive(key, um)?)),
         (None, Some(base_m)) => Ok(base_m),

@@ -201,6 +201,32 @@ impl DatasetFolder {
         Ok(Some(maps))
     }
 
+    /// Reads the planar depth of view `(t, s)` in meters, or returns `None` if the dataset has none of it: neither its depth nor its
+    /// disparity.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u)`; `+infinity` where nothing was hit.
+    ///
+    /// # Errors
+    ///
+    /// As [`DatasetFolder::depth_m`].
+    pub fn depth_m_of_view(&self, (t, s): (usize, usize), limits: &Limits) -> Result<Option<Array2<f32>>, Error> {
+        let views = self.shape().views();
+        if (t, s) == self.shape().central_view()
+            && let Some(depth_m) = self.depth_m(limits)?
+        {
+            return Ok(Some(depth_m));
+        }
+        let of_view = |layer| self.map(&layer_of_view(layer, t * views.columns + s, views.count(), "pfm"), limits);
+        if let Some(depth_m) = of_view("depth")? {
+            return Ok(Some(depth_m));
+        }
+        let disparity = self.rig().disparity_x();
+        let depth_m = |px: f32| disparity.to_depth_m(f64::from(px)) as f32;
+        Ok(of_view("disparity")?.map(|map| map.mapv_into(depth_m)))
+    }
+
     fn map(&self, name: &str, limits: &Limits) -> Result<Option<Array2<f32>>, Error> {
         if !self.manifest.files.contains_key(name) {
             return Ok(None);

@@ -69,12 +69,7 @@ impl HciFolder {
     /// `input_Cam007.png` and `input_Cam0007.png`.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        // First, because a folder without it is unfinished.
-        let parameters_path = path.join(PARAMETERS_CFG);
-        let parameters = ParametersCfg::read_in(&Folder::open(path)?, PARAMETERS_CFG)?;
-        let shape = LightFieldShape::new(parameters.num_cams, parameters.image_resolution_px)
-            .map_err(|error| Error::core(&parameters_path, error))?;
-        let mut files = files(path)?;
+        let (parameters, shape, mut files) = contents(path)?;
         let count = shape.views().count();
         let mut views = Vec::with_capacity(count.min(files.len()));
         for index in 0..count {
@@ -273,6 +268,15 @@ impl HciFolder {
             expected: Some((self.shape.lenses(), PARAMETERS_CFG)),
         }
     }
+}
+
+/// The parameters of a folder, its shape and its files.
+pub(super) fn contents(path: &Path) -> Result<(ParametersCfg, LightFieldShape, BTreeMap<Name, PathBuf>), Error> {
+    // First, because a folder without it is unfinished.
+    let parameters = ParametersCfg::read_in(&Folder::open(path)?, PARAMETERS_CFG)?;
+    let shape = LightFieldShape::new(parameters.num_cams, parameters.image_resolution_px)
+        .map_err(|error| Error::core(&path.join(PARAMETERS_CFG), error))?;
+    Ok((parameters, shape, files(path)?))
 }
 
 /// The files of a folder that belong to the format.

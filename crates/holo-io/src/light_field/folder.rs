@@ -98,7 +98,7 @@ impl LightFieldFolder {
                 (Contents::Images(images), found)
             }
             cameras @ FileInfo::Cameras { .. } => {
-                let what = format!("it is a {cameras}, which are no grid of views");
+                let what = format!("it is a {cameras}, which are no grid of views; of light fields name one");
                 return Err(Error::NoLightField { path: path.to_owned(), what });
             }
             other => {

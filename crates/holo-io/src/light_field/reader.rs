@@ -207,6 +207,26 @@ impl LightFieldReader {
         self.central_map(Map::Depth)
     }
 
+    /// Reads the planar depth of view `(t, s)` in meters, or returns `None` if the files have none of it.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u)`; `+infinity` where nothing was hit.
+    ///
+    /// # Errors
+    ///
+    /// Those of the reader of the format.
+    pub fn depth_m_of_view(&self, (t, s): (usize, usize)) -> Result<Option<Array2<f32>>, Error> {
+        #[cfg(feature = "png")]
+        if let Some(folder) = &self.dataset {
+            let beside = folder.depth_m_of_view((t, s), &self.limits)?;
+            if beside.is_some() {
+                return Ok(beside);
+            }
+        }
+        if (t, s) == self.shape.central_view() { self.central_depth_m() } else { Ok(None) }
+    }
+
     /// Reads the disparity of the central view in pixels between horizontally adjacent views, or returns `None` if the
     /// files have none.
     ///

@@ -20,8 +20,9 @@ from . import _embree
 _embree.find()
 
 from ._holo import PlenopticCamera, Rig, __version__  # noqa: E402
-from .camera_array import CameraArray, Pinhole, SynthesizedImage  # noqa: E402
+from .camera_array import CameraArray, Correspondences, DepthEstimate, Pinhole, SynthesizedImage  # noqa: E402
 from .dataset import Dataset, Job  # noqa: E402
+from .display import Display  # noqa: E402
 from .errors import Error, HoloWarning, OutOfMemoryError, UsageError  # noqa: E402
 from .exporting import export, export_targets  # noqa: E402
 from .images import read_image, write_image  # noqa: E402
@@ -44,9 +45,12 @@ from .scene import Mesh, Scene  # noqa: E402
 
 __all__ = [
     "CameraArray",
+    "Correspondences",
     "Dataset",
     "Calibration",
     "Decoded",
+    "DepthEstimate",
+    "Display",
     "Error",
     "HoloWarning",
     "Job",

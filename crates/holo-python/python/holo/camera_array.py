@@ -25,18 +25,43 @@ class SynthesizedImage(NamedTuple):
     holes: np.ndarray
 
 
+class Correspondences(NamedTuple):
+    """Where another camera sees the points of a camera's pixels.
+
+    places: row and column there, whole in the middle of a pixel, axes (row, column, 2); NaN behind it. depth: there, m, axes
+    (row, column). visible: True where the point is in the image and not hidden; within a pixel of an edge both may be right.
+    """
+
+    places: np.ndarray
+    depth: np.ndarray
+    visible: np.ndarray
+
+
+class DepthEstimate(NamedTuple):
+    """The depth of a camera, estimated from others: depth in meters and confidence from 0 to 1, axes (row, column); and from how many
+    other cameras."""
+
+    depth: np.ndarray
+    confidence: np.ndarray
+    cameras: int
+
+
 class Pinhole(NamedTuple):
     """A camera: axes right, up and back (rows of a 3 x 3 array) and position, m, in the world of glTF; focal length in pixels; rows
-    and columns of its image."""
+    and columns of its image; the row and the column where it sees along its axis."""
 
     axes: np.ndarray
     position_m: np.ndarray
     focal_px: float
     size: tuple[int, int]
+    principal_point: tuple[float, float]
 
 
 class CameraArray:
-    """A folder with the images of cameras anywhere, as `holo render --transforms` writes it, and NeRF and its successors read it."""
+    """A folder with the images of cameras anywhere, as `holo render --transforms` writes it, and NeRF and its successors read it.
+
+    Of light fields at poses every view is a camera, `NAME:S,T` for view column S and row T.
+    """
 
     def __init__(self, folder: str | os.PathLike, *, transforms_up: str = "z"):
         """Opens the folder; images are read one by one. transforms_up: the axis of the world of transforms.json that points up."""
@@ -53,6 +78,34 @@ class CameraArray:
     def camera(self, k: int) -> Pinhole:
         """Camera k, from 0."""
         return _pinhole(self._native.camera(k))
+
+    @property
+    def central(self) -> list[int]:
+        """The numbers of the cameras in the middle: the central view of every light field, and every camera with its own image."""
+        return self._native.central_cameras()
+
+    def position(self, name: str) -> int:
+        """The number of the camera with this name; of a light field that of its central view."""
+        k = self._native.position(name)
+        if k is None:
+            raise UsageError(f"there is no camera {name!r}; names has all")
+        return k
+
+    def correspondences(self, first: int | str, second: int | str) -> Correspondences:
+        """Where the second camera sees the points of the pixels of the first; cameras are numbers or names."""
+        first, second = (self.position(camera) if isinstance(camera, str) else camera for camera in (first, second))
+        return Correspondences(*self._native.correspondences(first, second))
+
+    def estimate_depth(
+        self, depths_m: tuple[float, float], camera: int | str | None = None, *, effort: str = "balanced"
+    ) -> DepthEstimate:
+        """The depth of a camera, estimated from those in a plane with it, which may be turned and have other focal lengths.
+
+        depths_m: nearest and farthest depth to search; the farthest may be infinite. camera: a number or a name; by default the one
+        nearest to the middle of all. effort: "draft", "fast", "balanced" or "thorough".
+        """
+        k = self.position(camera) if isinstance(camera, str) else camera
+        return DepthEstimate(*self._native.estimate_depth(k, tuple(map(float, depths_m)), effort))
 
     def image(self, k: int) -> np.ndarray:
         """The image of camera k: float32 in linear light, axes (row, column, channel)."""
@@ -105,8 +158,8 @@ class CameraArray:
 
 
 def _pinhole(numbers) -> Pinhole:
-    axes, position_m, focal_px, size = numbers
-    return Pinhole(np.array(axes), np.array(position_m), focal_px, tuple(size))
+    axes, position_m, focal_px, size, principal_point = numbers
+    return Pinhole(np.array(axes), np.array(position_m), focal_px, tuple(size), tuple(principal_point))
 
 
 def _viewpoint(pose: Pose | None):

@@ -257,12 +257,22 @@ class LightField:
 
     @overload
     def disparity(
-        self, range: tuple[float, float] | None = None, *, effort: str = "balanced", confidence: Literal[False] = False  # noqa: A002
+        self,
+        range: tuple[float, float] | None = None,  # noqa: A002
+        *,
+        effort: str = "balanced",
+        subset: str | None = None,
+        confidence: Literal[False] = False,
     ) -> np.ndarray: ...
 
     @overload
     def disparity(
-        self, range: tuple[float, float] | None = None, *, effort: str = "balanced", confidence: Literal[True]  # noqa: A002
+        self,
+        range: tuple[float, float] | None = None,  # noqa: A002
+        *,
+        effort: str = "balanced",
+        subset: str | None = None,
+        confidence: Literal[True],
     ) -> Estimate: ...
 
     def disparity(
@@ -270,12 +280,13 @@ class LightField:
         range: tuple[float, float] | None = None,  # noqa: A002
         *,
         effort: str = "balanced",
+        subset: str | None = None,
         confidence: bool = False,
     ) -> np.ndarray | Estimate:
         """Estimates the disparity of the central view from the others by a plane sweep, as `holo depth` does.
 
         range: smallest and largest disparity in pixels; by default that of the scene, or -4 to 4 if it is unknown.
-        effort: "draft", "fast", "balanced" or "thorough".
+        effort: "draft", "fast", "balanced" or "thorough". subset: "cross", "star" or positions "S,T;S,T ..": only these views.
 
         Returns float32, axes (row, column); with confidence=True an `Estimate` of disparity and confidence.
         """
@@ -287,7 +298,7 @@ class LightField:
                     HoloWarning,
                     stacklevel=2,
                 )
-        estimate = Estimate(*_holo.plane_sweep(self.array, range, effort, self._baseline_ratio()))
+        estimate = Estimate(*_holo.plane_sweep(self.array, range, effort, self._baseline_ratio(), subset))
         return estimate if confidence else estimate.disparity
 
     def synthesize(

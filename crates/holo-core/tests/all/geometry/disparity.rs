@@ -374,3 +374,16 @@ fn eq_2_is_eq_3_focused_at_infinity() {
         assert!((pixels_moved / map.from_depth_m(depth_m) - 1.0).abs() < 8.0 * f64::EPSILON);
     }
 }
+
+/// Perspective and orthographic disparities agree to first order at the focus plane: they differ by k (F - Z)^2 / (F^2 Z).
+#[test]
+fn projections_agree_to_first_order_at_the_focus_plane() {
+    let (k, focus_m) = (12.0, 1.7);
+    let [perspective, orthographic] = [Projection::Perspective, Projection::Orthographic]
+        .map(|projection| Disparity::new(k, focus_m, projection).unwrap());
+    for depth_m in [0.4, 1.2, 1.69, 1.7, 1.701, 2.5, 80.0] {
+        let difference = perspective.from_depth_m(depth_m) - orthographic.from_depth_m(depth_m);
+        let expected = k * (focus_m - depth_m).powi(2) / (focus_m * focus_m * depth_m);
+        assert!((difference - expected).abs() < 1e-13 * (1.0 + expected), "{depth_m}: {difference} {expected}");
+    }
+}
