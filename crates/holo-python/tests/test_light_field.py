@@ -311,7 +311,7 @@ def test_cameras_anywhere(tmp_path):
 
 def test_displays(tmp_path):
     """What an eye sees of a display is the view from its place; between the views it is their mean."""
-    shape = {"views": (5, 5), "lenses": (24, 32), "spp": 16, "exposure": "-1", "denoise": "off"}
+    shape = {"views": (5, 5), "lenses": (24, 32), "spp": 16, "denoise": "off"}
     rendering = holo.render(holo.Scene.gallery("garden"), disparity=(-0.6, 0.6), **shape)
     field = rendering.light_field
     file = tmp_path / "bench.toml"
@@ -323,7 +323,7 @@ def test_displays(tmp_path):
     assert display.name == "bench" and display.panel_size == (120, 160) and np.allclose(display.size_m, (0.032, 0.024))
     panel = display.panel_image(field)
     # Five pixels behind a lens for viewers far away: the elemental images turned around.
-    raw = field.linear().to_elemental_grid().reshape(24, 5, 32, 5, 3)[:, ::-1, :, ::-1].reshape(120, 160, 3)
+    raw = field.linear().elemental_grid().reshape(24, 5, 32, 5, 3)[:, ::-1, :, ::-1].reshape(120, 160, 3)
     assert np.allclose(panel, raw, atol=1e-5)
     # From far away, two pixels to the left of the middle of each lens is the rightmost view.
     seen = display.seen_from(panel, (400.0 / 3.0 * 0.999, 0.0, 1000.0))
