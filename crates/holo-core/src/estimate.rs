@@ -41,7 +41,7 @@ mod sweep;
 mod tests;
 mod views;
 
-pub use any_views::{OffsetView, plane_sweep_of_views};
+pub use any_views::{OffsetView, evenly_chosen_views, plane_sweep_of_views};
 pub(crate) use cost::WORST;
 pub use effort::Effort;
 pub(crate) use scanline::aggregate;

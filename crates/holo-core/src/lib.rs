@@ -117,7 +117,9 @@ pub use camera::{
 pub use color::ColorEncoding;
 pub use disparity::{Disparity, Projection, StereoPair};
 pub use error::Error;
-pub use estimate::{DisparityEstimate, Effort, OffsetView, PlaneSweepOptions, plane_sweep, plane_sweep_of_views};
+pub use estimate::{
+    DisparityEstimate, Effort, OffsetView, PlaneSweepOptions, evenly_chosen_views, plane_sweep, plane_sweep_of_views,
+};
 pub use grid::{GridSize, LensIndex, ParseGridSizeError, ViewIndex};
 pub use layout::{Block, LightFieldShape, OneBasedBlock, Remainder, Sensor, SensorDivision};
 pub use light_field::rearrange;

@@ -4,7 +4,7 @@ use ndarray::ArrayView3;
 
 use super::views::{Placed, Views, nearest_arm};
 use super::{DisparityEstimate, PlaneSweepOptions, check_range, estimated};
-use crate::{Error, Sample};
+use crate::{Effort, Error, Sample};
 
 /// A view and where it stands from the view whose disparity is estimated.
 #[derive(Debug, Clone, Copy)]
@@ -70,23 +70,29 @@ pub fn plane_sweep_of_views<T: Sample>(
         let (down, right) = ((down * ratio.vertical()) as f32, (right * ratio.horizontal()) as f32);
         placed.push(Placed { down, right, arm, image });
     }
+    let places: Vec<[f64; 2]> = others.iter().map(|view| [view.down, view.right]).collect();
+    let chosen: Vec<_> = evenly_chosen_views(&places, options.effort).into_iter().map(|k| placed[k]).collect();
     let settings = options.effort.settings();
-    let views = Views::of(center, &spread(placed, settings.most_views()), &settings, ratio)?;
+    let views = Views::of(center, &chosen, &settings, ratio)?;
     estimated(&views, &settings, options)
 }
 
-/// At most so many views: evenly chosen from all in the order of their directions and distances.
-fn spread<T>(mut views: Vec<Placed<'_, T>>, most: usize) -> Vec<Placed<'_, T>> {
-    if views.len() <= most {
-        return views;
+/// Returns which views [`plane_sweep_of_views`] takes of more than an effort needs: their numbers, by their places (down, right),
+/// evenly chosen from all in the order of their directions and distances. All of few.
+#[must_use]
+pub fn evenly_chosen_views(places: &[[f64; 2]], effort: Effort) -> Vec<usize> {
+    let (count, most) = (places.len(), effort.settings().most_views());
+    let mut order: Vec<usize> = (0..count).collect();
+    if count <= most {
+        return order;
     }
-    let reach = |view: &Placed<'_, T>| view.down.abs().max(view.right.abs());
-    views.sort_by(|a, b| (a.arm, reach(a)).partial_cmp(&(b.arm, reach(b))).unwrap_or(std::cmp::Ordering::Equal));
-    let count = views.len();
+    let key = |&k: &usize| {
+        let [down, right] = places[k];
+        (nearest_arm(down as f32, right as f32), down.abs().max(right.abs()))
+    };
+    order.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
     // The last of every share: the outermost one of the last arm is among them.
-    let mut is_taken = vec![false; count];
-    (1..=most).for_each(|k| is_taken[k * count / most - 1] = true);
-    views.into_iter().zip(is_taken).filter_map(|(view, is_taken)| is_taken.then_some(view)).collect()
+    (1..=most).map(|k| order[k * count / most - 1]).collect()
 }
 
 #[cfg(test)]
@@ -94,7 +100,7 @@ mod tests {
     use ndarray::Array3;
 
     use super::*;
-    use crate::{Effort, GridSize, LightField, LightFieldShape, plane_sweep};
+    use crate::{GridSize, LightField, LightFieldShape, plane_sweep};
 
     /// A slanted wall: its disparity is 0.4 + 0.02 u.
     fn wall(down: f32, right: f32) -> Array3<f32> {
@@ -153,15 +159,14 @@ mod tests {
     #[test]
     fn more_views_than_needed_are_thinned_evenly_and_wrong_ones_refused() {
         let image = wall(0.0, 0.0);
-        let placed: Vec<Placed<'_, f32>> = (0..200)
-            .map(|k| {
-                let (down, right) = ((k % 20) as f32 - 9.5, (k / 20) as f32 - 4.5);
-                Placed { down, right, arm: nearest_arm(down, right), image: image.view() }
-            })
-            .collect();
-        let kept = spread(placed, 32);
+        let places: Vec<[f64; 2]> = (0..200).map(|k| [f64::from(k % 20) - 9.5, f64::from(k / 20) - 4.5]).collect();
+        let mut kept = evenly_chosen_views(&places, Effort::Balanced);
+        let arm = |k: &usize| nearest_arm(places[*k][0] as f32, places[*k][1] as f32);
+        assert!((0..8).all(|expected| kept.iter().any(|k| arm(k) == expected)));
+        kept.sort_unstable();
+        kept.dedup();
         assert_eq!(kept.len(), 32);
-        assert!((0..8).all(|arm| kept.iter().any(|view| view.arm == arm)));
+        assert_eq!(evenly_chosen_views(&places[..5], Effort::Balanced), [0, 1, 2, 3, 4]);
         let options = PlaneSweepOptions::default();
         let view = |down, image| OffsetView { down, right: 0.0, image };
         let small = Array3::<f32>::zeros((3, 3, 1));

@@ -40,6 +40,7 @@ pub(super) struct Views {
 }
 
 /// A view and where it stands: rows down and columns to the right, with the baselines, and its arm.
+#[derive(Clone, Copy)]
 pub(super) struct Placed<'a, T> {
     pub(super) down: f32,
     pub(super) right: f32,

@@ -3,7 +3,7 @@
 use holo_core::refocus::{ApertureShape, FocalPlane, FocalSurface, Kernel, SyntheticAperture};
 use holo_core::{
     Correspondence, Effort, OffsetView, Pinhole, PlaneSweepOptions, PosedView, SynthesizedImage, ViewSynthesis,
-    plane_sweep_of_views,
+    evenly_chosen_views, plane_sweep_of_views,
 };
 use holo_io::{ArrayFolder, Limits};
 use holo_scene::Transform;
@@ -165,7 +165,7 @@ pub struct ArrayDepth {
     pub depth_m: Array2<f32>,
     /// From 0 to 1; axes (row, column).
     pub confidence: Array2<f32>,
-    /// How many others stand in a plane with the camera.
+    /// How many others in a plane with the camera it is from.
     pub others: usize,
 }
 
@@ -211,6 +211,9 @@ pub fn estimate_depth(
              at {near_m} m, and {OUT_OF_PLANE_PX} are allowed"
         )));
     };
+    // Of many only those that the estimate takes are read.
+    let places: Vec<[f64; 2]> = others.iter().map(|&(_, _, place, _)| place).collect();
+    let others: Vec<_> = evenly_chosen_views(&places, effort).into_iter().map(|k| others[k]).collect();
     // Disparities and confidences are those of a grid of 9 x 9 cameras as wide.
     let base_m = widest_m / 4.0;
     let limits = Limits::default();
