@@ -14,7 +14,7 @@
 //!
 //! A pixel right of the middle of its lens sends its light to the left. The pixels behind one lens therefore show an
 //! elemental image rotated by 180 degrees. The *zone* of a lens is what all its own pixels reach: the pitch times
-//! distance over gap. Beyond it an eye sees the pixels of the next lens, and the picture starts again.
+//! distance over gap. Beyond it an eye sees the pixels of the next lens, and the image repeats.
 //!
 //! # Source
 //!

@@ -312,7 +312,7 @@ mod tests {
                 let (x, y) = ((column as f64 + 0.5) / width, 1.0 - (row as f64 + 0.5) / height);
                 let phase = (x + channel as f64 * step + y * tilt) * pitch - 0.177;
                 let expected = (1.0 - phase.rem_euclid(1.0)) * views - 0.5;
-                // Where one picture ends, the next begins.
+                // Where the image ends, it begins again.
                 if (0.5..43.5).contains(&expected) {
                     assert!((f64::from(found) - expected).abs() < 1e-3, "{row} {column} {channel}: {found} {expected}");
                     checked += 1;

@@ -244,12 +244,7 @@ impl fmt::Display for FileInfo {
                     plural(count)
                 )
             }
-            Self::Cameras { count, manifest: Some(_) } => {
-                write!(f, "folder with the images of {count} camera{} anywhere", plural(*count))
-            }
-            Self::Cameras { count, manifest: None } => {
-                write!(f, "folder of {count} camera{0} or light field{0} at poses", plural(*count))
-            }
+            Self::Cameras { count, manifest } => write!(f, "{}", cameras_in_words(*count, manifest.is_some())),
             Self::Sequence(sequence) => {
                 let frames = sequence.frames();
                 write!(f, "sequence of {} frame{}", frames.len(), plural(frames.len()))
@@ -268,6 +263,16 @@ impl fmt::Display for FileInfo {
                 write!(f, "folder of no known kind, {entries} entr{y}")
             }
         }
+    }
+}
+
+/// Cameras with images of their own, whose folder has a manifest, or whatever stands at poses.
+fn cameras_in_words(count: usize, has_manifest: bool) -> String {
+    let s = plural(count);
+    if has_manifest {
+        format!("folder with the images of {count} camera{s} anywhere")
+    } else {
+        format!("folder of {count} camera{s} or light field{s} at poses")
     }
 }
 

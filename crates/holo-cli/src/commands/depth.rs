@@ -31,7 +31,10 @@ pub fn run(options: &DepthOptions) -> Result<(), Failure> {
     let parameters = subset.parameters();
     let range = parameters.disp_min.zip(parameters.disp_max);
     let rig = subset.rig().ok();
-    let taken: Vec<_> = subset.views().iter().enumerate().map(|(k, &view)| (ViewIndex::new(0, k), view)).collect();
+    let wanted = options.subset.as_ref().map(|wanted| wanted.views(subset.shape().views()));
+    let is_wanted = |view: &ViewIndex| wanted.as_ref().is_none_or(|wanted| wanted.contains(view));
+    let there = subset.views().iter().enumerate().filter(|(_, view)| is_wanted(view));
+    let taken: Vec<_> = there.map(|(k, &view)| (ViewIndex::new(0, k), view)).collect();
     let (row, column) = subset.shape().central_view();
     let sweep = sweep(options, range, rig.as_ref())?;
     let start = Instant::now();

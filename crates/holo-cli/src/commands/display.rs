@@ -20,7 +20,7 @@ pub fn run(options: &DisplayOptions) -> Result<(), Failure> {
     let rig = || {
         file.rig.ok_or_else(|| {
             let what = "the camera parameters are unknown, so --distance-m and --to-scale have no meaning";
-            Failure::Usage(format!("{}: {what}; put parameters.cfg beside it", options.input.input.display()))
+            Failure::Usage(format!("{}: {what}; put its parameters.cfg next to it", options.input.input.display()))
         })
     };
     let screen_disparity_px = match options.distance_m {

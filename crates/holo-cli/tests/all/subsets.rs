@@ -96,6 +96,11 @@ fn depth_is_estimated_from_some_of_the_views() {
         // As good as from all views: small images, whose edges are many.
         assert!(bad < all + 3.0, "{subset}: {bad} {all}");
     }
+    // A part of what a folder has is the same part of all views.
+    run(&bench, &format!("{render} --subset star --out some --overwrite"));
+    run(&bench, "depth some --subset cross --out some.pfm");
+    run(&bench, "depth whole --subset cross --out whole.pfm");
+    assert!(std::fs::read(bench.path("some.pfm")).unwrap() == std::fs::read(bench.path("whole.pfm")).unwrap());
     // By depth instead of disparity.
     run(&bench, "depth whole --subset cross --depths-m 0.5,inf --out d.pfm");
     for (line, part) in [

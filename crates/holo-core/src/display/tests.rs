@@ -146,7 +146,7 @@ fn an_eye_sees_an_orthographic_rig_to_scale() {
 
 /// An eye that moves by the zone of a lens sees the same again: the lenses show it the pixels of their neighbors.
 #[test]
-fn the_picture_starts_again_beyond_the_zone() {
+fn the_image_repeats_beyond_the_zone() {
     let rig = rig(GridSize::new(9, 9), 48, Projection::Perspective);
     let display = display(GridSize::new(400, 400), 10.0, SheetGrid::Square, PixelStripes::None, 0.07);
     let panel = display.panel_image(&Wall(1.1).light_field(&rig), &PanelMapping::default());
