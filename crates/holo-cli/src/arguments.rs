@@ -29,12 +29,12 @@ use holo_render::Backend;
 use choices::{BACKENDS, LAYOUTS, WORLD_UPS, choice};
 use headings::{CAMERA, FILES, QUALITY, RUNNING};
 
-pub use array::{ArrayOptions, SurfaceArgument};
+pub use array::ArrayOptions;
 pub use camera::{
     Benchmark, CalibrateOptions, CalibrationBenchmarkOptions, CameraOptions, DecodeOptions, EvalCalibrationOptions,
     TargetOptions, WhiteOptions,
 };
-pub use choices::DemosaicArgument;
+pub use choices::{DemosaicArgument, NormalsArgument, SurfaceArgument};
 pub use dataset::{CollectionOptions, DatasetOptions, GenerateOptions};
 pub use develop::{DemosaicOptions, DevelopOptions};
 pub use export::ExportOptions;
@@ -46,8 +46,8 @@ pub use preview::PreviewOptions;
 pub use settings::{OfDataset, OfInfo, OfPreview, OfRender, Settings};
 pub use spec::open_camera;
 pub use tools::{
-    CorrespondOptions, DepthOptions, DisparityArgument, EpiOptions, EvalOptions, InputOptions, NormalsArgument,
-    RefocusOptions, SynthesizeOptions, ViewpointOptions,
+    CorrespondOptions, DepthOptions, DisparityArgument, EpiOptions, EvalOptions, InputOptions, RefocusOptions,
+    SynthesizeOptions, ViewpointOptions,
 };
 pub use values::{Crop, Pair, Places, Seeds};
 

@@ -4,11 +4,15 @@
 mod baseline_ratio;
 mod builder;
 mod correspondence;
+pub(crate) mod disparity;
 mod intrinsics;
 mod jitter;
+pub mod optics;
 mod pinhole;
 mod rig;
 mod rotation;
+#[cfg(feature = "serde")]
+pub(crate) mod serialize;
 mod two_plane;
 
 pub use baseline_ratio::BaselineRatio;

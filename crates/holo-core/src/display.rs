@@ -27,7 +27,7 @@ mod tests;
 
 pub use mapping::{PanelMapping, ViewSpread};
 
-use crate::error::{positive, positive_or_infinite};
+use crate::base::error::{positive, positive_or_infinite};
 use crate::{Error, GridSize};
 
 /// The parts of a pixel that emit light.

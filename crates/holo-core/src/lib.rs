@@ -84,50 +84,40 @@
 #[doc = include_str!("../README.md")]
 struct Readme;
 
+mod base;
 mod camera;
-pub mod color;
-mod disparity;
+pub use base::color;
 pub mod display;
-mod error;
 mod estimate;
-mod grid;
-mod layout;
 mod light_field;
-mod memory;
 pub mod metrics;
-mod millimeters;
-pub mod optics;
-mod parallel;
+pub use camera::optics;
 pub mod plenoptic;
-mod real;
 pub mod refocus;
 pub mod sensor;
-#[cfg(feature = "serde")]
-mod serialize;
-mod shown;
 mod synthesize;
 
 /// The crate `ndarray` in the version of the public signatures.
 pub use ndarray;
 
+pub use base::color::ColorEncoding;
+pub use base::error::Error;
+pub use base::grid::{GridSize, LensIndex, ParseGridSizeError, ViewIndex};
+pub use base::millimeters::{meters_to_millimeters, millimeters_to_meters};
+pub use base::real::Real;
+pub use base::shown::{shown, shown_lines, shown_output, visible};
+pub use camera::disparity::{Disparity, Projection, StereoPair};
 pub use camera::{
     BaselineRatio, CameraDeviation, CameraJitter, Correspondence, Intrinsics, Pinhole, Rig, RigBuilder, RigRay,
     automatic_baseline_m, rotation_near, rotation_of,
 };
-pub use color::ColorEncoding;
-pub use disparity::{Disparity, Projection, StereoPair};
-pub use error::Error;
 pub use estimate::{
     DisparityEstimate, Effort, OffsetView, PlaneSweepOptions, evenly_chosen_views, plane_sweep, plane_sweep_of_views,
 };
-pub use grid::{GridSize, LensIndex, ParseGridSizeError, ViewIndex};
-pub use layout::{Block, LightFieldShape, OneBasedBlock, Remainder, Sensor, SensorDivision};
+pub use light_field::layout::{Block, LightFieldShape, OneBasedBlock, Remainder, Sensor, SensorDivision};
 pub use light_field::rearrange;
 pub use light_field::{
     DynImage, DynImageRef, DynLightField, DynLightFieldRef, Layout, LightField, LightFieldCow, LightFieldOwned,
     LightFieldRef, LightFieldRefMut, Sample, SampleKind, ViewOrder, ViewPath, evenly_spaced_views,
 };
-pub use millimeters::{meters_to_millimeters, millimeters_to_meters};
-pub use real::Real;
-pub use shown::{shown, shown_lines, shown_output, visible};
 pub use synthesize::{PosedView, SynthesizedImage, SynthesizedView, ViewDisparities, ViewSynthesis};

@@ -8,19 +8,18 @@ mod epi;
 mod grids;
 mod images;
 mod interpolate;
+pub(crate) mod layout;
 mod memory_order;
 mod path;
 mod quilt;
 pub mod rearrange;
 mod rotate;
-mod sample;
 mod view_order;
 
-pub use dynamic::{DynImage, DynImageRef, DynLightField, DynLightFieldRef};
+pub use dynamic::{DynImage, DynImageRef, DynLightField, DynLightFieldRef, Sample, SampleKind};
 pub use grids::Layout;
 pub use path::ViewPath;
 pub use quilt::evenly_spaced_views;
-pub use sample::{Sample, SampleKind};
 pub use view_order::ViewOrder;
 
 use std::fmt;
@@ -29,7 +28,7 @@ use ndarray::{
     ArrayBase, ArrayView5, ArrayViewMut5, CowRepr, Data, DataMut, Ix5, OwnedRepr, RawData, RawDataClone, ViewRepr,
 };
 
-use crate::layout::checked_product;
+use crate::light_field::layout::checked_product;
 use crate::{Error, GridSize, LightFieldShape};
 
 /// A light field `H(v, u, t, s, c)`: an ndarray with the axes microlens row, microlens column, view row, view column,

@@ -48,6 +48,7 @@ mod prescription;
 mod presets;
 mod projection;
 mod pupil_shape;
+mod rays;
 mod white;
 mod white_grid;
 

@@ -187,7 +187,7 @@ impl Refocus {
         S: Data,
         S::Elem: Sample,
     {
-        let distance_m = crate::error::positive_or_infinite("distance in meters", distance_m)?;
+        let distance_m = crate::base::error::positive_or_infinite("distance in meters", distance_m)?;
         check_rig(light_field, rig)?;
         let vertical_px = finite("disparity in pixels", rig.disparity_y().from_depth_m(distance_m))?;
         let horizontal_px = finite("disparity in pixels", rig.disparity_x().from_depth_m(distance_m))?;

@@ -32,7 +32,7 @@ pub use presets::{SensorPreset, sensor_presets};
 pub(crate) use random::{Purpose, Stream};
 
 use crate::Error;
-use crate::error::{not_negative, positive};
+use crate::base::error::{not_negative, positive};
 
 /// Which light the pixels of a sensor count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -28,7 +28,7 @@
 #![forbid(unsafe_code)]
 
 pub mod settings;
-pub mod text;
+pub use settings::text;
 
 mod camera;
 mod collection;

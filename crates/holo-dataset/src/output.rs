@@ -20,12 +20,14 @@ mod subset;
 mod tools;
 mod wanted;
 
-pub(crate) use self::files::{Exposed, Finished, Traced, TracedCamera, TracedViews, exposure_ev, write};
+pub(crate) use self::codes::Exposed;
+pub(crate) use self::files::{Traced, TracedCamera, TracedViews, exposure_ev, write};
 pub(crate) use self::folder::{CHECKPOINT, CHECKPOINT_MAGIC, checkpoints, existing, inner_name, remove_checkpoints};
 pub use self::folder::{OutputFolder, Rollback};
 pub(crate) use self::images::HIGHRES_SCALE;
 pub(crate) use self::masks::OBJECTS_PNG;
 pub(crate) use self::memory::is_room;
+pub(crate) use self::statistics::Finished;
 pub use self::statistics::{ColorStatistics, EstimatedError, Statistics};
 pub(crate) use self::wanted::Wanted;
 #[cfg(not(feature = "hdf5"))]

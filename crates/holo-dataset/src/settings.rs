@@ -9,6 +9,7 @@ mod canonical;
 mod declare;
 mod given;
 mod table;
+pub mod text;
 mod types;
 mod value;
 mod view_subset;

@@ -144,7 +144,6 @@ impl Error {
     }
 
     /// The same error with another path, if it is one of `holo-core`.
-    #[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
     pub(crate) fn about(self, path: &Path) -> Self {
         match self {
             Self::Core { error, .. } => Self::core(path, error),

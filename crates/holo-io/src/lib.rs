@@ -88,157 +88,76 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // The table above names what the features add.
-#![cfg_attr(
-    not(all(
-        feature = "png",
-        feature = "exr",
-        feature = "hdr",
-        feature = "mat",
-        feature = "tiff",
-        feature = "gif",
-        feature = "camera"
-    )),
-    allow(rustdoc::broken_intra_doc_links)
-)]
+#![cfg_attr(not(feature = "hdf5"), allow(rustdoc::broken_intra_doc_links))]
 
-#[cfg(feature = "png")]
-mod animation;
-#[cfg(feature = "png")]
-mod array_folder;
-mod atomic;
-#[cfg(feature = "camera")]
-mod camera_file;
-pub mod dataset;
-mod detect_format;
-mod digest;
-#[cfg(feature = "camera")]
-mod display_file;
-#[cfg(feature = "tiff")]
-mod dng;
-mod dng_header;
+mod arrays;
+mod cameras;
+mod files;
+mod images;
+mod records;
+pub use records::dataset;
 mod error;
-#[cfg(feature = "exr")]
-mod exr;
-mod flo;
-mod folder;
-#[cfg(feature = "png")]
-pub mod gantry;
-#[cfg(feature = "gif")]
-mod gif;
-#[cfg(feature = "png")]
-pub mod hci;
-#[cfg(feature = "hdf5")]
-mod hdf5;
-#[cfg(feature = "hdr")]
-mod hdr;
-#[cfg(feature = "png")]
-mod image_file;
-#[cfg(feature = "camera")]
+pub use light_field::gantry;
+pub use light_field::hci;
 pub mod interop;
-#[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
 mod light_field;
-mod limits;
-#[cfg(feature = "png")]
-mod linear_image;
-mod manifest;
-#[cfg(feature = "mat")]
-mod mat;
-mod mosaic;
-mod mp4;
-mod names;
-mod npy;
-mod panic_guard;
-mod parameters_cfg;
-mod pfm;
-#[cfg(feature = "png")]
-mod png;
-#[cfg(feature = "png")]
-mod probe;
-mod raw_image;
-#[cfg(any(feature = "mat", feature = "hdf5"))]
-mod rig_values;
-mod stream;
-#[cfg(feature = "tiff")]
-mod tiff;
-mod transforms;
-#[cfg(feature = "png")]
-mod views;
-#[cfg(any(feature = "png", feature = "exr", feature = "mat"))]
-mod zlib;
 
-#[cfg(feature = "png")]
-pub use animation::write_animation;
-#[cfg(feature = "png")]
-pub use array_folder::ArrayFolder;
-pub use atomic::{AtomicFile, TemporaryFilesRemoved, remove_stale_temporary_files, remove_temporary_files, write_file};
-#[cfg(feature = "camera")]
-pub use camera_file::{CameraFile, SensorNoise, read_prescription};
-pub use detect_format::{FileFormat, detect_format};
-pub use digest::{FileDigest, Sha256, hash_file};
-#[cfg(feature = "camera")]
-pub use display_file::DisplayFile;
-#[cfg(feature = "tiff")]
-pub use dng::write_dng;
-pub use dng_header::{DngInfo, read_dng_info};
-pub use error::Error;
-#[cfg(feature = "exr")]
-pub use exr::{
-    ExrChannel, ExrCompression, ExrImage, ExrInfo, ExrSamples, ExrWriter, decode_exr, decode_exr_rgb, encode_exr,
-    encode_exr_with, read_exr, read_exr_info, read_exr_rgb, write_exr, write_exr_with,
-};
-pub use flo::{decode_flo, read_flo, write_flo};
-pub use folder::{Destination, EntryKind, Folder, FolderFile, FolderLock};
-#[cfg(feature = "png")]
-pub use gantry::{GantryFolder, GantryPosition};
-#[cfg(feature = "gif")]
-pub use gif::write_gif_animation;
-#[cfg(feature = "png")]
-pub use hci::{HciFolder, HciHighResolution, HciImage, HciQuantity, HciResolution, HciSubset, HciTruth};
 #[cfg(feature = "hdf5")]
-pub use hdf5::{
+pub use arrays::hdf5::{
     Hdf5Arrays, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5, write_hdf5_maps,
     write_hdf5_sequence,
 };
-#[cfg(feature = "hdr")]
-pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
-pub use holo_core::{ColorEncoding, meters_to_millimeters, millimeters_to_meters, shown};
-#[cfg(feature = "png")]
-pub use image_file::write_image;
-#[cfg(feature = "png")]
-pub use light_field::LightFieldFolder;
-#[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
-pub use light_field::{
-    LightFieldFile, LightFieldFormat, LightFieldReader, ReadOptions, list_images, read_light_field, read_rig,
-};
-pub use limits::Limits;
-#[cfg(feature = "png")]
-pub use linear_image::read_linear;
-pub use manifest::{Manifest, ManifestValue, Mismatch, MismatchKind};
-#[cfg(all(feature = "mat", feature = "hdf5"))]
-pub use mat::MatWriter;
-#[cfg(feature = "mat")]
-pub use mat::{
+#[cfg(feature = "hdf5")]
+pub use arrays::mat::MatWriter;
+pub use arrays::mat::{
     MatArray, MatClass, MatInfo, MatLightField, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
     encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
 };
-pub use mosaic::MosaicInfo;
-pub use mp4::write_mp4_animation;
-pub use npy::encode_npy;
-pub use panic_guard::is_guarding;
-pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
-pub use pfm::{
+pub use arrays::npy::encode_npy;
+pub use cameras::camera_file::{CameraFile, SensorNoise, read_prescription};
+pub use cameras::display_file::DisplayFile;
+pub use cameras::parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
+pub use cameras::transforms::{ArrayCamera, CameraArray, WorldUp};
+pub use error::Error;
+pub use files::atomic::{
+    AtomicFile, TemporaryFilesRemoved, remove_stale_temporary_files, remove_temporary_files, write_file,
+};
+pub use files::detect_format::{FileFormat, detect_format};
+pub use files::digest::{FileDigest, Sha256, hash_file};
+pub use files::dng_header::{DngInfo, read_dng_info};
+pub use files::folder::{Destination, EntryKind, Folder, FolderFile, FolderLock};
+pub use files::limits::Limits;
+pub use files::panic_guard::is_guarding;
+pub use holo_core::{ColorEncoding, meters_to_millimeters, millimeters_to_meters, shown};
+pub use images::animation::write_animation;
+pub use images::dng::write_dng;
+pub use images::exr::{
+    ExrChannel, ExrCompression, ExrImage, ExrInfo, ExrSamples, ExrWriter, decode_exr, decode_exr_rgb, encode_exr,
+    encode_exr_with, read_exr, read_exr_info, read_exr_rgb, write_exr, write_exr_with,
+};
+pub use images::flo::{decode_flo, read_flo, write_flo};
+pub use images::gif::write_gif_animation;
+pub use images::hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
+pub use images::image_file::write_image;
+pub use images::linear_image::read_linear;
+pub use images::mosaic::MosaicInfo;
+pub use images::mp4::write_mp4_animation;
+pub use images::pfm::{
     Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_gray, read_pfm_in, read_pfm_info, write_pfm, write_pfm_rgb,
 };
-#[cfg(feature = "png")]
-pub use png::{
+pub use images::png::{
     Compression, PngInfo, PngWriter, decode_png, encode_png, read_png, read_png_info, write_disparity_png, write_png,
     write_png_animation,
 };
-#[cfg(feature = "png")]
-pub use probe::{FileInfo, probe};
-pub use raw_image::layout_of_file_name;
-#[cfg(feature = "tiff")]
-pub use tiff::{TiffInfo, decode_tiff, encode_tiff, read_tiff, read_tiff_info, write_tiff};
-pub use transforms::{ArrayCamera, CameraArray, WorldUp};
-#[cfg(feature = "png")]
-pub use views::read_views;
+pub use images::tiff::{TiffInfo, decode_tiff, encode_tiff, read_tiff, read_tiff_info, write_tiff};
+pub use light_field::LightFieldFolder;
+pub use light_field::array_folder::ArrayFolder;
+pub use light_field::gantry::{GantryFolder, GantryPosition};
+pub use light_field::hci::{HciFolder, HciHighResolution, HciImage, HciQuantity, HciResolution, HciSubset, HciTruth};
+pub use light_field::probe::{FileInfo, probe};
+pub use light_field::raw_image::layout_of_file_name;
+pub use light_field::views::read_views;
+pub use light_field::{
+    LightFieldFile, LightFieldFormat, LightFieldReader, ReadOptions, list_images, read_light_field, read_rig,
+};
+pub use records::manifest::{Manifest, ManifestValue, Mismatch, MismatchKind};

@@ -4,29 +4,30 @@
 //! are in a `source`.
 
 mod archives;
-#[cfg(all(feature = "png", feature = "camera"))]
+pub(crate) mod array_folder;
 mod decode;
 mod file;
-#[cfg(feature = "png")]
 mod folder;
-#[cfg(feature = "png")]
+pub mod gantry;
 mod grid_of_names;
+pub mod hci;
 mod natural_order;
 mod options;
-#[cfg(all(feature = "png", feature = "camera"))]
 mod plenoptic;
+pub(crate) mod probe;
+pub(crate) mod raw_image;
 mod reader;
 mod source;
+pub(crate) mod views;
 
 use std::path::Path;
 
 use holo_core::Rig;
 
-use crate::names::is_regular;
-use crate::{Error, FileFormat, Limits, ParametersCfg, detect_format};
+use crate::files::names::is_regular;
+use crate::{Error, FileFormat, Limits, ParametersCfg, files::detect_format};
 use reader::parameters_path;
 
-#[cfg(feature = "png")]
 pub use folder::LightFieldFolder;
 pub use natural_order::list_images;
 pub use options::ReadOptions;
@@ -121,14 +122,8 @@ impl LightFieldReader {
     }
 }
 
-#[cfg(feature = "png")]
 fn open_folder(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
     LightFieldFolder::open(path)?.into_reader(options)
-}
-
-#[cfg(not(feature = "png"))]
-fn open_folder(path: &Path, _: &ReadOptions) -> Result<LightFieldReader, Error> {
-    Err(file::needs_feature(path, "png", "a folder"))
 }
 
 /// Reads the rig of a file or folder without its samples: that of a light field, a `manifest.json` or a
@@ -160,7 +155,6 @@ pub fn read_rig(path: impl AsRef<Path>, limits: &Limits) -> Result<Option<Rig>, 
 }
 
 /// The rig of what a folder holds; `None` if it holds no light field, or not all that a light field needs.
-#[cfg(feature = "png")]
 fn rig_of_folder(path: &Path, options: &ReadOptions) -> Result<Option<Rig>, Error> {
     // That of a dataset folder needs no image.
     let rig = LightFieldFolder::open(path).and_then(|folder| match folder.dataset().map(|dataset| *dataset.rig()) {
@@ -171,11 +165,6 @@ fn rig_of_folder(path: &Path, options: &ReadOptions) -> Result<Option<Rig>, Erro
         Err(Error::NoLightField { .. } | Error::MissingOption { .. }) => Ok(None),
         other => other,
     }
-}
-
-#[cfg(not(feature = "png"))]
-fn rig_of_folder(path: &Path, options: &ReadOptions) -> Result<Option<Rig>, Error> {
-    open_folder(path, options).map(|reader| reader.rig)
 }
 
 fn is_parameters_cfg(path: &Path) -> Result<bool, Error> {

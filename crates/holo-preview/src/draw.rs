@@ -13,8 +13,8 @@ use holo_render::{Denoise, Layer, LayerSet, Progress, Renderer, Request, Reuse, 
 use ndarray::{Array2, Axis, s};
 use serde_json::{Value, json};
 
-use crate::inbox::Newest;
 use crate::job::{self, Ended};
+use crate::protocol::inbox::Newest;
 use crate::protocol::{Event, Look, Reply};
 use crate::raw_part::{RawPart, Strip};
 use crate::{encode, estimate};

@@ -5,8 +5,8 @@ use holo_dataset::{Frames, RenderJob, RenderSettings, SceneSource, Sky, adjusted
 use holo_io::CameraFile;
 
 use crate::Preview;
-use crate::inbox::Inbox;
 use crate::protocol::Look;
+use crate::protocol::inbox::Inbox;
 
 /// The name of the camera that the program named.
 pub(crate) const OWN_CAMERA: &str = "own";

@@ -23,13 +23,11 @@ struct Readme;
 mod draw;
 mod encode;
 mod estimate;
-mod inbox;
 mod job;
 mod protocol;
 mod raw_part;
 mod render;
 mod server;
-mod socket;
 mod studio;
 
 use std::io;

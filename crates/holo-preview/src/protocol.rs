@@ -3,6 +3,8 @@
 //! The page sends JSON, and the bytes of a scene that was dropped on it. The server sends binary messages: the length of a
 //! header as u32 (little endian), the header as JSON, and the bytes of an image or a map.
 
+pub(crate) mod inbox;
+
 use std::collections::BTreeMap;
 
 use serde::Deserialize;

@@ -11,8 +11,8 @@ use holo_render::Progress;
 use serde_json::{Value, json};
 
 use crate::Preview;
-use crate::inbox::Inbox;
 use crate::job::{self, told};
+use crate::protocol::inbox::Inbox;
 use crate::protocol::{Event, Look, Reply};
 
 /// How often the page hears of progress.

@@ -11,6 +11,8 @@
 //! that an attacker points to 127.0.0.1 is refused. The socket needs an `Origin` of this server too: browsers send it with
 //! every socket, and no page can change it.
 
+mod socket;
+
 use std::io::{self, Read, Write};
 use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
 use std::path::PathBuf;
@@ -23,7 +25,7 @@ use tungstenite::handshake::machine::TryParse;
 use tungstenite::handshake::server::{Request, create_response, write_response};
 
 use crate::render::Shared;
-use crate::{Error, Preview, socket};
+use crate::{Error, Preview};
 
 /// The largest head of a request.
 const MAX_HEAD: usize = 16 << 10;

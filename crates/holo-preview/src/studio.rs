@@ -10,8 +10,8 @@ use serde_json::json;
 use crate::Preview;
 use crate::draw;
 use crate::draw::{Drawing, Kept};
-use crate::inbox::{Inbox, Newest, Task};
 use crate::job::{self, Ended};
+use crate::protocol::inbox::{Inbox, Newest, Task};
 use crate::protocol::{Event, Look, Reply};
 
 /// Width and height of the images of the gallery, px.

@@ -1,5 +1,8 @@
 //! Files: light fields of any format, and images.
 
+pub(crate) mod array;
+pub(crate) mod display;
+
 use std::path::PathBuf;
 
 use holo_core::{DynImage, DynLightFieldRef, GridSize, Layout, Sample, for_each_sample};
@@ -13,10 +16,10 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
 use crate::arrays::{Field, Image, give, give_field, give_image};
+use crate::cameras::rig::{Rig, Size, size};
 use crate::failure::Failure;
 use crate::options;
 use crate::render::{Told, listening};
-use crate::rig::{Rig, Size, size};
 
 /// A light field whose headers have been read, but not its samples.
 #[pyclass(frozen, module = "holo._holo")]

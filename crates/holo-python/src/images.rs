@@ -13,9 +13,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arrays::{Field, Image, give, give_field};
+use crate::cameras::rig::Rig;
 use crate::failure::Failure;
 use crate::options;
-use crate::rig::Rig;
 
 /// A grid of elemental images ("el") or of views ("vpi"), axes (row, column, channel).
 #[pyfunction]

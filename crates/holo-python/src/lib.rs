@@ -6,20 +6,15 @@
 //! While Rust works, other Python threads run. Renders run on a thread of their own, so that Ctrl-C stops them.
 #![forbid(unsafe_code)]
 
-mod array;
 mod arrays;
-mod benchmark;
-mod camera;
-mod display;
+mod cameras;
 mod failure;
 mod files;
 mod images;
 mod options;
 mod render;
-mod rig;
 mod scene;
 mod score;
-mod sensor;
 mod watch;
 
 use std::ffi::OsString;
@@ -35,11 +30,11 @@ fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
 #[pymodule]
 fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_class::<rig::Rig>()?;
-    module.add_class::<camera::PlenopticCamera>()?;
+    module.add_class::<cameras::rig::Rig>()?;
+    module.add_class::<cameras::camera::PlenopticCamera>()?;
     module.add_class::<files::Reader>()?;
-    module.add_class::<array::CameraFolder>()?;
-    module.add_class::<display::Display>()?;
+    module.add_class::<files::array::CameraFolder>()?;
+    module.add_class::<files::display::Display>()?;
     let functions = [
         wrap_pyfunction!(main, module)?,
         wrap_pyfunction!(scene::gallery_names, module)?,
@@ -49,8 +44,8 @@ fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(render::render_folder, module)?,
         wrap_pyfunction!(render::settings_table, module)?,
         wrap_pyfunction!(render::missing_embree, module)?,
-        wrap_pyfunction!(rig::planned_rig, module)?,
-        wrap_pyfunction!(rig::read_rig, module)?,
+        wrap_pyfunction!(cameras::rig::planned_rig, module)?,
+        wrap_pyfunction!(cameras::rig::read_rig, module)?,
         wrap_pyfunction!(images::to_grid, module)?,
         wrap_pyfunction!(images::to_linear, module)?,
         wrap_pyfunction!(images::automatic_exposure, module)?,
@@ -63,14 +58,14 @@ fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(files::write_hci, module)?,
         wrap_pyfunction!(files::export, module)?,
         wrap_pyfunction!(files::export_targets, module)?,
-        wrap_pyfunction!(benchmark::calibration_benchmark, module)?,
+        wrap_pyfunction!(score::benchmark::calibration_benchmark, module)?,
         wrap_pyfunction!(files::write_image, module)?,
         wrap_pyfunction!(files::read_image, module)?,
         wrap_pyfunction!(score::evaluate, module)?,
         wrap_pyfunction!(score::compare, module)?,
-        wrap_pyfunction!(sensor::develop, module)?,
-        wrap_pyfunction!(sensor::demosaic, module)?,
-        wrap_pyfunction!(sensor::names, module)?,
+        wrap_pyfunction!(cameras::sensor::develop, module)?,
+        wrap_pyfunction!(cameras::sensor::demosaic, module)?,
+        wrap_pyfunction!(cameras::sensor::names, module)?,
     ];
     functions.into_iter().try_for_each(|function| module.add_function(function))
 }

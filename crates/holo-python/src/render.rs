@@ -14,9 +14,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::give;
-use crate::camera::PlenopticCamera;
+use crate::cameras::camera::PlenopticCamera;
+use crate::cameras::rig::Rig;
 use crate::failure::{Failure, keywords};
-use crate::rig::Rig;
 use crate::scene::Source;
 use crate::watch::Watch;
 use crate::{options, watch};

@@ -1,5 +1,7 @@
 //! Scores of disparity maps and images, by the names of `holo eval --json`.
 
+pub(crate) mod benchmark;
+
 use holo_core::Sample;
 use holo_core::metrics::{psnr_db, ssim};
 use holo_dataset::{MapScoring, QuantityValue};
@@ -9,8 +11,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::Image;
+use crate::cameras::rig::Rig;
 use crate::failure::Failure;
-use crate::rig::Rig;
 
 /// A disparity map against ground truth, over all scored pixels and by region.
 #[pyfunction]

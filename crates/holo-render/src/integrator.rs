@@ -9,23 +9,25 @@ mod light_sampling;
 mod mis;
 pub(crate) mod path;
 mod paths;
+pub(crate) mod progress;
 mod resampling;
 mod reuse;
 mod scatterer;
 mod shade;
 mod straight_shadows;
 mod unseen;
+mod vertex;
 
 use crate::accel::Engine;
 use crate::camera::RaySource;
 use crate::camera::moved::Moved;
 use crate::film::guides::Movement;
 use crate::geometry::Geometry;
+use crate::integrator::progress::Stop;
 use crate::light::Emitters;
 use crate::light::EnvironmentLight;
 use crate::light::PreparedLight;
 use crate::material::Appearance;
-use crate::progress::Stop;
 use crate::sampling::Sampler;
 
 /// The integrator of a render.

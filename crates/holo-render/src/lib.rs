@@ -40,10 +40,22 @@
 // Allowed in two modules: the binding to Embree and the SIMD dispatch.
 #![deny(unsafe_code)]
 
+/// Setters of public fields, each of which returns the options changed.
+macro_rules! setters {
+    ($($name:ident: $type:ty),* $(,)?) => {$(
+        #[doc = concat!("Sets [`", stringify!($name), "`](field@Self::", stringify!($name), ").")]
+        #[must_use]
+        pub fn $name(mut self, $name: $type) -> Self {
+            self.$name = $name;
+            self
+        }
+    )*};
+}
+
 mod accel;
 #[cfg(feature = "bench")]
 #[doc(hidden)]
-pub mod bench;
+pub use render::bench;
 mod camera;
 mod error;
 mod film;
@@ -54,10 +66,8 @@ mod material;
 #[cfg(test)]
 #[path = "../../../tests/all/common/peer.rs"]
 mod peer;
-mod progress;
 mod render;
 mod sampling;
-mod setters;
 mod simd;
 
 pub use accel::{Backend, cache_folder};
@@ -66,8 +76,8 @@ pub use error::Error;
 pub use film::error_distribution::ErrorDistribution;
 pub use film::layers::{Layer, LayerSet, Layers};
 pub use film::{exposure, layers};
+pub use integrator::progress::{Progress, Tenths};
 pub use integrator::{Integrator, RayCounts};
-pub use progress::{Progress, Tenths};
 pub use render::{
     Camera, Checkpoint, Denoise, FinishedTile, Frame, GroundTruth, Motion, RawStatistics, Rendered, Renderer, Request,
     Reuse, TextureFilter, TileId, TileKind, Transport, Views, World,

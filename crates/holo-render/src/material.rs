@@ -8,6 +8,7 @@
 mod alpha;
 mod appearance;
 pub(crate) mod bsdf;
+mod flags;
 mod footprint;
 pub(crate) mod media;
 pub(crate) mod shading_normal;
@@ -15,6 +16,7 @@ mod surface;
 mod texture;
 
 pub(crate) use alpha::{AlphaTest, AlphaTested};
-pub(crate) use appearance::{Appearance, Lane, MaterialFlags, PacketHits};
+pub(crate) use appearance::{Appearance, Lane};
+pub(crate) use flags::MaterialFlags;
 pub(crate) use footprint::Footprints;
 pub(crate) use surface::{HitPoints, SurfaceInteraction};

@@ -1,5 +1,9 @@
 //! The renderer: a scene in front of a camera, which any rig at that camera pose can render.
 
+#[cfg(feature = "bench")]
+#[doc(hidden)]
+pub mod bench;
+mod check;
 mod checkpoint;
 mod color;
 mod image;
@@ -45,12 +49,12 @@ use crate::film::guides::Movement;
 use crate::film::layers::{LayerSet, Layers};
 use crate::geometry::Geometry;
 use crate::integrator::auto::{self, Contents};
+use crate::integrator::progress::{Progress, Stop};
 use crate::integrator::{Context, Integrator, Policy, SceneData};
 use crate::light::Emitters;
 use crate::light::EnvironmentLight;
 use crate::light::PreparedLight;
 use crate::material::{Appearance, MaterialFlags};
-use crate::progress::{Progress, Stop};
 use crate::sampling::{self, Sampler};
 
 /// A scene with its acceleration structure, in the frame of one camera.
@@ -333,7 +337,7 @@ impl Renderer {
             reuse: self.reuses(request, integrator, region),
             ..self.policy(transport, integrator)
         };
-        let guides = color::needs_guides(request).then(|| {
+        let guides = plan::needs_guides(request).then(|| {
             let ratio = request.rig.baseline_ratio();
             let movement = ratio.vertical().max(ratio.horizontal()) as f32;
             Movement::Disparity(color::disparity(request.rig), movement)

@@ -79,6 +79,7 @@ mod deform;
 mod draco;
 mod extensions;
 mod foreign;
+mod handle;
 mod instancing;
 mod json;
 mod materials;
@@ -109,9 +110,10 @@ use self::warnings::Warnings;
 use crate::Error;
 use crate::Scene;
 
+pub use self::animation::AnimationSummary;
 pub use self::options::{LightUnits, LoadOptions};
 pub use self::panic_guard::is_guarding;
-pub use self::summary::{AnimationSummary, Summary};
+pub use self::summary::Summary;
 pub use self::write::{to_glb, to_glb_animated};
 
 /// A loaded scene with warnings and a summary of its file.
@@ -224,7 +226,7 @@ fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded
     let meshes = meshes::plan_all(&root, &mut accessors, &mut materials, &context, &mut warnings)?;
     let skins = skins::plan(&root, &poses, &mut accessors)?;
     let instancing = instancing::plan(&nodes, &mut accessors, limits, &mut warnings)?;
-    let values = accessors.finish();
+    let values = values::Values::of(accessors);
     let skins = skins::load(skins, &values, &nodes)?;
     let meshes = meshes.read(&values, &skins, &mut warnings)?;
     let shown = Shown { meshes: &meshes, of_node: &poses.of_node, skins: &skins, instancing: &instancing };

@@ -44,15 +44,11 @@ pub mod gltf;
 
 #[cfg(feature = "gallery")]
 mod built;
-mod coincident;
 mod environment;
 mod error;
-mod light_sources;
 mod material;
 mod scene;
-mod tangents;
 mod transform;
-mod validate;
 
 #[cfg(feature = "gallery")]
 pub use built::{gallery, recipe};

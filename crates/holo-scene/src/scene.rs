@@ -3,6 +3,11 @@
 //! Nothing is checked while a [`Scene`] is built. [`Scene::validate`] checks everything at once; the renderer and the
 //! glTF writer call it first.
 
+pub(crate) mod coincident;
+pub(crate) mod light_sources;
+pub(crate) mod tangents;
+pub(crate) mod validate;
+
 use crate::{Material, Transform};
 
 /// A whole scene in world coordinates (right-handed, +Y up, meters).

@@ -2,14 +2,15 @@
 
 use std::process::Command;
 
-use crate::{Result, process, root, target};
+use crate::setup::{cargo, process};
+use crate::{Result, root, target};
 
 /// The program as soon as it can be had: without link-time optimization and HDF5, and for this processor alone, so that
 /// the kernels of the renderer are compiled once instead of for three instruction sets.
 fn build() -> Result<std::path::PathBuf> {
     crate::setup_embree()?;
     let environment = vec![("RUSTFLAGS", "-C target-cpu=native".into()), ("CARGO_PROFILE_QUICK_LTO", "off".into())];
-    process::cargo_with(&["build", "--profile", "quick", "-p", "holo-cli"], environment)?;
+    cargo::run_with(&["build", "--profile", "quick", "-p", "holo-cli"], environment)?;
     Ok(target().join("quick").join(format!("holo{}", std::env::consts::EXE_SUFFIX)))
 }
 

@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::{Result, cmake, process, root};
+use crate::setup::{cargo, cmake, process};
+use crate::{Result, root};
 
 /// The targets that need Rust alone.
 const TARGETS: &[&str] = &[
@@ -89,7 +90,7 @@ fn run_corpora() -> Result {
     // Examples need the features of development dependencies: the libraries are those of the tests then.
     let mut arguments = vec!["build", "--quiet", "--workspace", "--examples", "--features", &all_features];
     arguments.extend(targets.iter().flat_map(|name| ["--bin", name]));
-    process::cargo(&arguments)?;
+    cargo::run(&arguments)?;
     for name in targets {
         let corpus = root().join("fuzz").join("corpus").join(name);
         let entries = corpus.read_dir().map_err(|why| format!("{}: {why}", corpus.display()))?.flatten();
@@ -110,7 +111,7 @@ fn build(targets: &[&str], folder: &Path, host: &str) -> Result {
                  -Cllvm-args=-sanitizer-coverage-trace-compares -Cdebug-assertions -Ccodegen-units=1";
     let features = features(targets).join(",");
     process::run(
-        process::cargo_command()
+        cargo::command()
             .env("RUSTFLAGS", flags)
             .env("CARGO_TARGET_DIR", folder)
             .env("CARGO_PROFILE_QUICK_LTO", "off")

@@ -23,30 +23,19 @@
 //! ```
 #![forbid(unsafe_code)]
 
-mod blender;
-mod cmake;
-mod consumers;
 mod demo;
-mod dist;
-mod embree;
 mod fuzz;
-mod licenses;
 mod modules;
-mod package;
-mod peers;
-mod pip;
-mod process;
-mod python;
-mod renderers;
+mod outside;
+mod release;
 mod sanitize;
-mod speed;
+mod setup;
 mod test;
-mod wild;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use pip::Availability;
+use setup::pip::Availability;
 
 const USAGE: &str = "usage: cargo xtask setup | build | demo | test | dist [--check] | clippy | doc | embree | \
     fuzz [SECONDS [TARGET..] | corpora] | package | python [PYTEST ARGUMENTS] | blender [--bundle] [--test] | modules | bench | speed OLD [NEW] .. | report [--quick] [--peers] [--only TEXT].. [--out DIR] | \
@@ -75,52 +64,52 @@ fn run(arguments: &[String]) -> Result {
         }
         "dist" => {
             setup()?;
-            dist::run(rest)
+            release::dist::run(rest)
         }
         "clippy" => clippy(),
-        "embree" => match embree::fetch()? {
+        "embree" => match setup::embree::fetch()? {
             Availability::Present => Ok(()),
             Availability::Missing(why) => Err(why),
         },
         "fuzz" => fuzz::run(rest),
-        "package" => package::run(),
-        "blender" => blender::run(rest),
+        "package" => release::package::run(),
+        "blender" => outside::blender::run(rest),
         "python" => {
             setup()?;
-            python::test(rest)
+            setup::python::test(rest)
         }
         "doc" => doc(),
         // `rooms` is its name up to 0.2.0.
         "modules" | "rooms" => modules::run(),
         "sanitize" => {
-            embree::ensure()?;
+            setup::embree::ensure()?;
             sanitize::run(rest)
         }
         "wild" => {
             setup()?;
-            wild::run(rest)
+            outside::wild::run(rest)
         }
         "consumers" => {
             setup()?;
-            consumers::run(rest)
+            outside::consumers::run(rest)
         }
         "bench" => {
             setup()?;
-            if let Availability::Missing(why) = peers::ensure()? {
+            if let Availability::Missing(why) = setup::peers::ensure()? {
                 eprintln!("xtask: no programs to measure against: {why}");
             }
-            process::cargo(&[&["bench", "-p", "holo-bench"], strs(rest).as_slice()].concat())
+            setup::cargo::run(&[&["bench", "-p", "holo-bench"], strs(rest).as_slice()].concat())
         }
         "speed" => {
             setup()?;
-            speed::run(rest)
+            outside::speed::run(rest)
         }
         "report" => {
             setup()?;
             let report = ["run", "--quiet", "--release", "-p", "holo-bench", "--bin", "report", "--"];
             let has_peers = rest.iter().any(|argument| argument == "--peers");
-            let environment = if has_peers { renderers::ensure()? } else { Vec::new() };
-            process::cargo_with(&[&report, strs(rest).as_slice()].concat(), environment)
+            let environment = if has_peers { outside::renderers::ensure()? } else { Vec::new() };
+            setup::cargo::run_with(&[&report, strs(rest).as_slice()].concat(), environment)
         }
         _ => Err(USAGE.into()),
     }
@@ -149,7 +138,7 @@ fn strs(list: &[String]) -> Vec<&str> {
 /// slower; without CMake, everything but HDF5.
 fn setup() -> Result {
     setup_embree()?;
-    if let Availability::Missing(why) = cmake::ensure()? {
+    if let Availability::Missing(why) = setup::cmake::ensure()? {
         eprintln!("xtask: no CMake: {why}");
         eprintln!(
             "xtask: continuing without HDF5 and MATLAB's version 7.3; install cmake and a C compiler to have them"
@@ -159,7 +148,7 @@ fn setup() -> Result {
 }
 
 fn setup_embree() -> Result {
-    if let Availability::Missing(why) = embree::ensure()? {
+    if let Availability::Missing(why) = setup::embree::ensure()? {
         eprintln!("xtask: no Embree 4: {why}");
         eprintln!(
             "xtask: continuing with the built-in BVH, which is several times slower; install libembree4 to avoid that"
@@ -170,18 +159,18 @@ fn setup_embree() -> Result {
 
 /// Cargo's arguments for every feature of `holo` that can be built here.
 fn features() -> &'static [&'static str] {
-    if cmake::is_present() { &["--features", "hdf5"] } else { &[] }
+    if setup::cmake::is_present() { &["--features", "hdf5"] } else { &[] }
 }
 
 /// Cargo's arguments for every feature of the workspace that can be built here. All commands on debug builds use this
 /// one set: cargo builds a library again for each set of its features.
 fn workspace_features() -> &'static [&'static str] {
-    if cmake::is_present() { &["--features", HDF5_FEATURES] } else { &[] }
+    if setup::cmake::is_present() { &["--features", HDF5_FEATURES] } else { &[] }
 }
 
 /// Builds the documentation.
 fn doc() -> Result {
-    process::cargo(&[&["doc", "--quiet", "--workspace", "--no-deps"], workspace_features()].concat())
+    setup::cargo::run(&[&["doc", "--quiet", "--workspace", "--no-deps"], workspace_features()].concat())
 }
 
 /// Every feature that needs CMake.
@@ -191,10 +180,10 @@ const HDF5_FEATURES: &str =
 /// Lints everything.
 fn clippy() -> Result {
     let clippy = ["clippy", "--workspace", "--all-targets", "--quiet"];
-    process::cargo(&[&clippy, workspace_features(), &["--", "-D", "warnings"]].concat())
+    setup::cargo::run(&[&clippy, workspace_features(), &["--", "-D", "warnings"]].concat())
 }
 
 fn build() -> Result {
     setup()?;
-    process::cargo(&[&["build", "--release", "-p", "holo-cli"], features()].concat())
+    setup::cargo::run(&[&["build", "--release", "-p", "holo-cli"], features()].concat())
 }

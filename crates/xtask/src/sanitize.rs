@@ -7,7 +7,8 @@
 
 use std::process::Command;
 
-use crate::{Result, embree, process, root, target};
+use crate::setup::{embree, process};
+use crate::{Result, root, target};
 
 const TARGET: &str = "x86_64-unknown-linux-gnu";
 

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::pip::Availability;
-use crate::{Result, cmake, embree, peers, process, python};
+use crate::Result;
+use crate::setup::pip::Availability;
+use crate::setup::{cargo, cmake, embree, peers, process, python};
 
 /// A program that tests compare with.
 struct Peer {
@@ -29,7 +30,7 @@ pub fn run(arguments: &[String]) -> Result {
     if std::env::var_os("HOLO_REQUIRE_PEERS").is_some_and(|value| value == "1") && !lines.is_empty() {
         return Err(format!("HOLO_REQUIRE_PEERS is 1, and there is something missing:\n{}", lines.join("\n")));
     }
-    process::cargo(&[&["test", "--workspace", "--quiet"], crate::workspace_features(), extra.as_slice()].concat())?;
+    cargo::run(&[&["test", "--workspace", "--quiet"], crate::workspace_features(), extra.as_slice()].concat())?;
     if python::ensure()?.is_present() {
         python::test(&[])?;
     }

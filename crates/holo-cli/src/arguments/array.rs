@@ -8,19 +8,11 @@ use holo_core::GridSize;
 use holo_dataset::settings::{not_negative, positive as parse_positive, range as parse_range};
 use holo_io::WorldUp;
 
-use super::choices::{SURFACES, WORLD_UPS, choice};
+use super::choices::{SURFACES, SurfaceArgument, WORLD_UPS, choice};
 use super::values;
 
 /// The heading of deviations in the help.
 const JITTER: &str = "Deviations, as those of real arrays";
-
-/// What cameras stand on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SurfaceArgument {
-    Plane,
-    Cylinder,
-    Sphere,
-}
 
 #[derive(Args, Debug)]
 pub struct ArrayOptions {

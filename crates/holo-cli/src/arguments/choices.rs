@@ -1,6 +1,5 @@
 //! The words that options take, with what they mean: values of the libraries.
 
-use super::{NormalsArgument, SurfaceArgument};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use holo_core::refocus::Kernel;
 use holo_core::sensor::Demosaic;
@@ -8,6 +7,23 @@ use holo_core::{Effort, Layout, ViewOrder};
 use holo_dataset::DevelopOutput;
 use holo_io::WorldUp;
 use holo_render::Backend;
+
+/// `--normals`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NormalsArgument {
+    /// The true rays.
+    Pinhole,
+    /// The true rays, and the point cloud of the HCI benchmark's toolkit.
+    Toolkit,
+}
+
+/// What cameras stand on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceArgument {
+    Plane,
+    Cylinder,
+    Sphere,
+}
 
 /// A value, its word, and its line of `--help`; one without a line has none.
 type Choices<T> = [(T, &'static str, &'static str)];

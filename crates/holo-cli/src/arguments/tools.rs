@@ -11,7 +11,7 @@ use holo_dataset::ViewSubset;
 use holo_dataset::settings::{positive as parse_positive, range as parse_range};
 use holo_io::WorldUp;
 
-use super::choices::{EFFORTS, KERNELS, LAYOUTS, NORMALS, ORDERS, WORLD_UPS, choice};
+use super::choices::{EFFORTS, KERNELS, LAYOUTS, NORMALS, NormalsArgument, ORDERS, WORLD_UPS, choice};
 use super::{Pair, values};
 
 /// A light field, and what its files do not tell.
@@ -203,15 +203,6 @@ pub struct EvalOptions {
     /// Print one JSON object on standard output instead of a table.
     #[arg(long)]
     pub json: bool,
-}
-
-/// `--normals`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NormalsArgument {
-    /// The true rays.
-    Pinhole,
-    /// The true rays, and the point cloud of the HCI benchmark's toolkit.
-    Toolkit,
 }
 
 #[derive(Args, Debug)]

@@ -2,7 +2,7 @@
 
 use super::Rig;
 use crate::Error;
-use crate::error::not_negative;
+use crate::base::error::not_negative;
 
 /// How far a point moves between vertically and between horizontally adjacent views, in multiples of its disparity.
 ///

@@ -1,10 +1,9 @@
-//! The builder of a rig: its parameters and their validation.
+//! The parameters of a rig, before they are validated.
 
-use super::{Intrinsics, Rig};
-use crate::error::{not_negative, positive, positive_or_infinite};
-use crate::{Disparity, Error, LightFieldShape, Projection};
+use super::Intrinsics;
+use crate::{LightFieldShape, Projection};
 
-/// The parameters of a [`Rig`], not yet validated; see [`Rig::builder`].
+/// The parameters of a [`Rig`](super::Rig), not yet validated; see [`Rig::builder`](super::Rig::builder).
 ///
 /// # Units
 ///
@@ -83,53 +82,5 @@ impl RigBuilder {
     #[must_use]
     pub const fn projection(self, projection: Projection) -> Self {
         Self { projection, ..self }
-    }
-
-    /// Validates the parameters and returns the rig.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadNumber`] if a length is NaN, infinite or has the wrong sign (baselines may be 0, the focus distance
-    /// may be infinite), or if a number derived from them overflows or underflows; [`Error::OrthographicFocus`] if an
-    /// orthographic rig has an infinite focus distance.
-    pub fn build(self) -> Result<Rig, Error> {
-        let Intrinsics { focal_length_m, sensor_size_m } = self.intrinsics;
-        let focal_length_m = positive("focal length in meters", focal_length_m)?;
-        let sensor_size_m = positive("sensor size in meters", sensor_size_m)?;
-        let baseline_x_m = not_negative("horizontal baseline in meters", self.baseline_x_m)?;
-        let baseline_y_m = not_negative("vertical baseline in meters", self.baseline_y_m)?;
-        let focus_distance_m = positive_or_infinite("focus distance in meters", self.focus_distance_m)?;
-        if self.projection == Projection::Orthographic && focus_distance_m.is_infinite() {
-            return Err(Error::OrthographicFocus { focus_distance_m });
-        }
-        let pixels = self.shape.lenses().larger() as f64;
-        let slope_per_px = positive("slope per pixel", sensor_size_m / (focal_length_m * pixels))?;
-        let disparity = |what: &'static str, baseline_m: f64| {
-            let scale_m_px = baseline_m * focal_length_m * pixels / sensor_size_m;
-            if baseline_m > 0.0 && !scale_m_px.is_normal() {
-                // An underflow to 0 would turn a baseline above 0 into no baseline.
-                return Err(Error::BadNumber { what, value: scale_m_px, need: "within the range of normal numbers" });
-            }
-            Disparity::new(scale_m_px, focus_distance_m, self.projection)
-        };
-        let rig = Rig {
-            numbers: Self { baseline_x_m, baseline_y_m, ..self },
-            disparity_x: disparity("horizontal disparity scale", baseline_x_m)?,
-            disparity_y: disparity("vertical disparity scale", baseline_y_m)?,
-            slope_per_px,
-        };
-        // The corner views and pixels have the largest coordinates: if those are finite, all are.
-        let views = rig.shape().views();
-        let lenses = rig.shape().lenses();
-        let corner = rig.ray(0, 0, views.rows - 1, views.columns - 1, 0.0, 0.0);
-        let far_corner = rig.ray(lenses.rows - 1, lenses.columns - 1, 0, 0, 1.0, 1.0);
-        for ray in [corner, far_corner] {
-            for value in ray.origin_m.into_iter().chain(ray.direction) {
-                if !value.is_finite() {
-                    return Err(Error::BadNumber { what: "coordinate of the rig's corner ray", value, need: "finite" });
-                }
-            }
-        }
-        Ok(rig)
     }
 }

@@ -4,7 +4,7 @@ use ndarray::{Array2, ArrayRef2};
 
 use super::Pinhole;
 use crate::Error;
-use crate::memory::filled;
+use crate::base::memory::filled;
 
 /// How much farther than everything around its place a point may be and still be seen, relative: the curvature of a surface
 /// between pixels, and the rounding of depth maps.

@@ -1,6 +1,6 @@
 //! Focal length, sensor size and the automatic baseline.
 
-use crate::error::positive;
+use crate::base::error::positive;
 use crate::{Error, GridSize};
 
 /// Focal length and sensor size of a view's camera.

@@ -1,7 +1,7 @@
 //! Deviations of real cameras of an array from the ones that were meant.
 
 use crate::Error;
-use crate::error::not_negative;
+use crate::base::error::not_negative;
 use crate::sensor::{Purpose, Stream};
 
 /// How far the cameras of an array deviate from what was meant, as the cameras of real arrays do: standard deviations of normal

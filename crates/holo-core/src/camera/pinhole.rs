@@ -1,7 +1,7 @@
 //! A pinhole camera anywhere in the world.
 
 use super::rotation::{dot, rotation_near};
-use crate::error::positive;
+use crate::base::error::positive;
 use crate::{Error, GridSize};
 
 /// A pinhole camera anywhere in the world with square pixels. Its principal point is the middle of the image unless it is set:

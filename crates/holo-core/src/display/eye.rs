@@ -3,10 +3,10 @@
 use ndarray::{Array3, ArrayRef3};
 
 use super::{Display, PixelStripes, SheetGrid};
-use crate::error::positive;
-use crate::layout::checked_product;
-use crate::memory::filled;
-use crate::parallel::*;
+use crate::base::error::positive;
+use crate::base::memory::filled;
+use crate::base::parallel::*;
+use crate::light_field::layout::checked_product;
 use crate::{Error, GridSize};
 
 impl Display {

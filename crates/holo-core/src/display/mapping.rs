@@ -3,8 +3,8 @@
 use ndarray::{Array3, Data};
 
 use super::{Display, PixelStripes};
-use crate::memory::filled;
-use crate::parallel::*;
+use crate::base::memory::filled;
+use crate::base::parallel::*;
 use crate::{BaselineRatio, Error, LightField, Projection, Rig, Sample};
 
 /// How the views of a light field spread over the directions of a display.
@@ -83,7 +83,7 @@ impl Display {
             }
         };
         let too_large = Error::TooLarge { what: "image of a panel" };
-        let length = crate::layout::checked_product(&[size.rows, size.columns, shown]).ok_or(too_large)?;
+        let length = crate::light_field::layout::checked_product(&[size.rows, size.columns, shown]).ok_or(too_large)?;
         let mut image = filled("the image of a panel", length, 0.0_f32)?;
         image.par_chunks_mut(size.columns * shown).enumerate().for_each(|(row, line)| {
             for (column, pixel) in line.chunks_exact_mut(shown).enumerate() {
@@ -141,7 +141,7 @@ impl<'a> PanelRays<'a> {
             return Err(Error::BadNumber { what: "disparity of the screen in pixels", value, need: "finite" });
         }
         if let Some(row) = mapping.view_row {
-            crate::error::index_below("view row", row, views.rows)?;
+            crate::base::error::index_below("view row", row, views.rows)?;
         }
         let pixels = [lenses.columns as f64, lenses.rows as f64];
         let [width, height] = display.size_m();

@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod naive;
 
-use crate::parallel::*;
+use crate::base::parallel::*;
 
 use super::views::{View, Views};
 

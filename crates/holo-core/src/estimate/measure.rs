@@ -3,11 +3,11 @@
 #[cfg(test)]
 mod naive;
 
-use crate::parallel::*;
+use crate::base::parallel::*;
 
 use super::views::Views;
 use crate::Error;
-use crate::memory::filled;
+use crate::base::memory::filled;
 
 /// The noise floor of color differences, for colors from 0 to 1.
 const FLOOR: f32 = 0.002;

@@ -3,10 +3,10 @@
 #[cfg(test)]
 mod naive;
 
-use crate::parallel::*;
+use crate::base::parallel::*;
 
 use super::measure::Measurements;
-use crate::memory::filled;
+use crate::base::memory::filled;
 use crate::{Error, GridSize};
 
 /// The color difference at which the weight of a neighbor is 1/4, for colors from 0 to 1.

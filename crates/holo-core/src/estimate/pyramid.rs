@@ -1,10 +1,10 @@
 //! Coarser levels: views of half the resolution, whose estimate tells where to look in what has no texture.
 
-use crate::parallel::*;
+use crate::base::parallel::*;
 
 use super::cost::Planes;
 use super::views::{View, Views};
-use crate::memory::filled;
+use crate::base::memory::filled;
 use crate::{Error, GridSize};
 
 /// The shorter side, px, from which on views have a coarser level.

@@ -7,10 +7,10 @@
 //! Weighted median filter of disparities, guided by color: Ma, He, Wei, Sun and Wu, "Constant Time Weighted Median Filtering
 //! for Stereo Matching and Beyond", ICCV 2013.
 
-use crate::parallel::*;
+use crate::base::parallel::*;
 
 use super::plane_fit::Plane;
-use crate::memory::filled;
+use crate::base::memory::filled;
 use crate::{Error, GridSize};
 
 /// The color difference at which the weight of a pixel is 0.6, for colors from 0 to 1.

@@ -1,13 +1,13 @@
 //! The sweep: a first map from the costs of all planes at all pixels, in bands of limited memory.
 
-use crate::parallel::*;
+use crate::base::parallel::*;
 
 use super::cost::{self, Planes};
 use super::pyramid::Prior;
 use super::scanline;
 use super::views::Views;
-use crate::layout::checked_product;
-use crate::memory::filled;
+use crate::base::memory::filled;
+use crate::light_field::layout::checked_product;
 use crate::{Error, GridSize};
 
 /// The memory of the costs and their sums together, unless four times the margin needs more.

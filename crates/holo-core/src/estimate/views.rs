@@ -1,11 +1,11 @@
 //! The selection of views, and their samples as planes of `f32`.
 
-use crate::parallel::*;
+use crate::base::parallel::*;
 use ndarray::{ArrayView3, Data};
 
 use super::effort::Settings;
-use crate::layout::checked_product;
-use crate::memory::filled;
+use crate::base::memory::filled;
+use crate::light_field::layout::checked_product;
 use crate::{BaselineRatio, Error, GridSize, LightField, Sample};
 
 /// The arms of the star, clockwise from the right: rows and columns of one step.

@@ -6,7 +6,7 @@ use ndarray::{ArrayView3, Axis, Data, DataMut, RawData, Slice};
 
 use super::{LightField, LightFieldRef, LightFieldRefMut};
 use crate::Error;
-use crate::error::range_within;
+use crate::base::error::range_within;
 
 impl<S: RawData> LightField<S> {
     /// Keeps a rectangle of views, without copying.

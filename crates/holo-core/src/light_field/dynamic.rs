@@ -1,13 +1,129 @@
-//! Light fields and images whose element type is known only at run time, as in files.
+//! The element types of images and light fields, and images and light fields whose type is known only at run time, as in files.
 
 use std::ops::Range;
 
 use ndarray::{Array3, ArrayView3, Axis, Slice};
 
-use super::sample::sealed::Sealed;
-use super::{LightFieldOwned, LightFieldRef, Sample, SampleKind};
-use crate::error::range_within;
+use self::sealed::Sealed;
+use super::{LightFieldOwned, LightFieldRef};
+use crate::base::error::range_within;
 use crate::{Error, GridSize, Layout, LightFieldShape};
+
+/// An element type as a value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SampleKind {
+    /// `u8`.
+    U8,
+    /// `u16`.
+    U16,
+    /// `f32`.
+    F32,
+    /// `f64`.
+    F64,
+}
+
+impl SampleKind {
+    /// Returns the name of the type in numpy and HDF5, such as `uint8`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::U8 => "uint8",
+            Self::U16 => "uint16",
+            Self::F32 => "float32",
+            Self::F64 => "float64",
+        }
+    }
+
+    /// Returns the size of a sample in bytes.
+    #[must_use]
+    pub const fn bytes(self) -> usize {
+        match self {
+            Self::U8 => 1,
+            Self::U16 => 2,
+            Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    /// Returns whether it is one of the two floating-point types.
+    #[must_use]
+    pub const fn is_float(self) -> bool {
+        matches!(self, Self::F32 | Self::F64)
+    }
+}
+
+/// `u8`, `u16`, `f32` or `f64`: an element of an image or of a light field.
+///
+/// Conversions apply no transfer curve.
+pub trait Sample: sealed::Sealed + Copy + Default + PartialEq + std::fmt::Debug + Send + Sync + 'static {
+    /// The element type as a value.
+    const KIND: SampleKind;
+
+    /// The largest value of an integer type; `None` for floats, which have no fixed scale.
+    const WHITE: Option<f32>;
+
+    /// Converts to `f32`: exact for all but `f64`, which is rounded to nearest.
+    fn to_f32(self) -> f32;
+
+    /// Widens to `f64`, which is exact.
+    fn to_f64(self) -> f64;
+}
+
+/// The conversions into the dynamic types; public as `From`.
+mod sealed {
+    use super::{Array3, ArrayView3, DynImage, DynImageRef, DynLightField, DynLightFieldRef};
+    use super::{LightFieldOwned, LightFieldRef};
+
+    pub trait Sealed: Sized {
+        fn light_field(field: LightFieldOwned<Self>) -> DynLightField;
+        fn light_field_ref(field: LightFieldRef<'_, Self>) -> DynLightFieldRef<'_>;
+        fn image(image: Array3<Self>) -> DynImage;
+        fn image_ref(image: ArrayView3<'_, Self>) -> DynImageRef<'_>;
+    }
+}
+
+macro_rules! sample {
+    ($($type:ty, $name:ident, $white:expr;)*) => {$(
+        impl sealed::Sealed for $type {
+            fn light_field(field: LightFieldOwned<Self>) -> DynLightField {
+                DynLightField::$name(field)
+            }
+
+            fn light_field_ref(field: LightFieldRef<'_, Self>) -> DynLightFieldRef<'_> {
+                DynLightFieldRef::$name(field)
+            }
+
+            fn image(image: Array3<Self>) -> DynImage {
+                DynImage::$name(image)
+            }
+
+            fn image_ref(image: ArrayView3<'_, Self>) -> DynImageRef<'_> {
+                DynImageRef::$name(image)
+            }
+        }
+
+        impl Sample for $type {
+            const KIND: SampleKind = SampleKind::$name;
+            const WHITE: Option<f32> = $white;
+
+            #[allow(clippy::cast_possible_truncation, clippy::cast_lossless, reason = "one line for four types")]
+            fn to_f32(self) -> f32 {
+                self as f32
+            }
+
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+        }
+    )*};
+}
+
+sample! {
+    u8, U8, Some(255.0);
+    u16, U16, Some(65_535.0);
+    f32, F32, None;
+    f64, F64, None;
+}
 
 /// A light field whose element type is known at run time.
 ///
@@ -387,91 +503,4 @@ impl<'a> From<&'a DynImage> for DynImageRef<'a> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::LightField;
-    use ndarray::Array5;
-
-    fn fields() -> [DynLightField; 4] {
-        let samples =
-            Array5::from_shape_fn((2, 3, 4, 5, 3), |(v, u, t, s, c)| (((v * 3 + u) * 4 + t) * 5 + s + c) as u8);
-        let field = LightField::new(samples).unwrap();
-        [
-            field.clone().into(),
-            field.map(|&x| u16::from(x)).unwrap().into(),
-            field.map(|&x| f32::from(x)).unwrap().into(),
-            field.map(|&x| f64::from(x)).unwrap().into(),
-        ]
-    }
-
-    #[test]
-    fn every_type_has_the_same_views_and_elemental_images() {
-        let kinds = [SampleKind::U8, SampleKind::U16, SampleKind::F32, SampleKind::F64];
-        let expected = fields()[2].to_f32().unwrap();
-        for (field, kind) in fields().into_iter().zip(kinds) {
-            assert_eq!((field.kind(), field.channels()), (kind, 3));
-            assert_eq!(field.shape(), LightFieldShape::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap());
-            let view = field.view(3, 2).unwrap();
-            assert_eq!((view.kind(), view.size(), view.channels()), (kind, GridSize::new(2, 3), 3));
-            assert_eq!(field.elemental_image(1, 2).unwrap().size(), GridSize::new(4, 5));
-            assert_eq!(field.epi_row(1, 2).unwrap().channels(), 3);
-            assert!(field.view(4, 0).is_err() && field.epi_column(3, 0).is_err());
-            assert_eq!(field.into_f32().unwrap(), expected);
-        }
-    }
-
-    #[test]
-    fn alpha_is_dropped_and_colors_are_kept() {
-        for field in fields() {
-            assert_eq!(field.clone().without_alpha().unwrap(), field);
-            let narrow: DynLightField = for_each_sample!(DynLightField, &field, f => {
-                LightField::new(f.samples().slice_axis(Axis(4), Slice::from(..2)).to_owned()).unwrap().into()
-            });
-            assert_eq!((narrow.channels(), narrow.clone().without_alpha().unwrap().channels()), (2, 1));
-            assert_eq!(narrow.without_alpha().unwrap().view(1, 2).unwrap(), {
-                let view = field.view(1, 2).unwrap();
-                for_each_sample!(DynImageRef, view, v => v.slice_axis_move(Axis(2), Slice::from(..1)).into())
-            });
-        }
-    }
-
-    #[test]
-    fn a_part_of_an_image_has_its_pixels_and_stays_inside() {
-        for field in fields() {
-            let view = field.elemental_image(1, 1).unwrap();
-            let part = view.crop(1..3, 2..5).unwrap();
-            assert_eq!((part.size(), part.kind()), (GridSize::new(2, 3), field.kind()));
-            let same = for_each_sample!(DynImageRef, view, v => {
-                let cut = v.slice_axis_move(Axis(0), (1..3).into()).slice_axis_move(Axis(1), (2..5).into());
-                cut.into()
-            });
-            assert_eq!(part, same);
-            for (rows, columns) in [(0..5, 0..1), (0..1, 4..6), (2..2, 0..1)] {
-                assert!(matches!(view.crop(rows, columns), Err(Error::BadRange { .. })));
-            }
-        }
-    }
-
-    #[test]
-    fn grids_of_either_layout_are_the_same_light_field() {
-        for field in fields() {
-            let shape = field.shape();
-            for layout in [Layout::ElementalGrid, Layout::ViewpointGrid] {
-                let grid = field.clone().into_grid(layout).unwrap();
-                assert_eq!(grid.size(), shape.raw_size());
-                assert_eq!(DynLightField::from_grid(grid, layout, shape).unwrap(), field);
-            }
-        }
-    }
-
-    #[test]
-    fn raw_images_are_wrapped_in_their_type() {
-        let shape = LightFieldShape::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap();
-        for field in fields() {
-            let grid: DynImage = for_each_sample!(DynLightField, &field, f => f.to_viewpoint_grid().unwrap().into());
-            assert_eq!(DynLightField::from_grid(grid, Layout::ViewpointGrid, shape).unwrap(), field);
-        }
-        let wrong: DynImage = Array3::<u8>::zeros((3, 3, 1)).into();
-        assert!(DynLightField::from_grid(wrong, Layout::ElementalGrid, shape).is_err());
-    }
-}
+mod tests;

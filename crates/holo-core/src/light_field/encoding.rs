@@ -3,8 +3,8 @@
 use ndarray::{Array3, ArrayView3};
 
 use super::{DynImage, DynLightField, LightFieldOwned, Sample, SampleKind};
-use crate::color::{Srgb8Encoder, linear_to_srgb16, srgb_to_linear, srgb8_to_linear_table};
-use crate::memory::collected;
+use crate::base::color::{Srgb8Encoder, linear_to_srgb16, srgb_to_linear, srgb8_to_linear_table};
+use crate::base::memory::collected;
 use crate::{ColorEncoding, Error};
 
 impl DynLightField {

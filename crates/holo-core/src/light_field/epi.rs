@@ -4,7 +4,7 @@ use ndarray::{ArrayView3, Axis, Data};
 
 use super::LightField;
 use crate::Error;
-use crate::error::index_below;
+use crate::base::error::index_below;
 
 impl<S: Data> LightField<S> {
     /// Returns the horizontal epipolar-plane image of pixel row `v` in view row `t`: that pixel row in all views from

@@ -4,7 +4,7 @@ use ndarray::{Array5, ArrayBase, ArrayRef, ArrayView3, Axis, Data, Ix3, RawData}
 
 use super::memory_order::{self, MemoryOrder, inverse};
 use super::{LightField, LightFieldCow, LightFieldOwned, checked_length};
-use crate::memory::filled;
+use crate::base::memory::filled;
 use crate::{Error, LightFieldShape};
 
 /// The layout of the samples of a raw image.

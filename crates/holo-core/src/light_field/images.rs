@@ -6,7 +6,7 @@ use rayon::prelude::{IndexedParallelIterator, IntoParallelIterator, ParallelIter
 
 use super::LightField;
 use crate::Error;
-use crate::error::index_below;
+use crate::base::error::index_below;
 
 impl<S: Data> LightField<S> {
     /// Returns view `(t, s)`, the viewpoint image or sub-aperture image, as a borrowed image.

@@ -3,7 +3,7 @@
 use ndarray::{Array5, ArrayBase, ArrayView5, Axis, Dim, Dimension, IntoDimension, RawData};
 
 use crate::Error;
-use crate::memory::collected;
+use crate::base::memory::collected;
 
 /// Where the axes of an array with its axes in memory order come from.
 pub(super) struct MemoryOrder<const N: usize> {

@@ -1,7 +1,7 @@
 //! Camera paths through the views of a light field, for animations and displays.
 
 use super::ViewOrder;
-use crate::error::index_below;
+use crate::base::error::index_below;
 use crate::{Error, GridSize};
 
 /// A camera path: a sequence of views of the light field, without interpolated views.

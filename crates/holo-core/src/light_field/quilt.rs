@@ -3,7 +3,7 @@
 use ndarray::{Array3, Axis, Data, Slice};
 
 use super::{LightField, checked_length};
-use crate::memory::filled;
+use crate::base::memory::filled;
 use crate::{Error, GridSize, LightFieldShape};
 
 /// Returns `count` evenly spaced views `(t, s)` of a row, the first and the last of the row included; for a count of 1,

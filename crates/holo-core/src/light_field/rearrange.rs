@@ -8,11 +8,11 @@
 pub mod naive;
 mod transpose;
 
-use crate::parallel::*;
+use crate::base::parallel::*;
 use ndarray::{Array3, ArrayView3, ArrayViewMut2, ArrayViewMut3, Axis, Data, Slice};
 
+use crate::base::memory::{filled, reserved};
 use crate::light_field::checked_length;
-use crate::memory::{filled, reserved};
 use crate::{Error, LightField};
 pub(crate) use transpose::Scratch;
 

@@ -4,7 +4,7 @@ use ndarray::ArrayRef2;
 
 use super::region::errors;
 use super::{PixelCounts, Region};
-use crate::error::not_negative;
+use crate::base::error::not_negative;
 use crate::{Error, Real};
 
 /// The thresholds of the benchmark's BadPix measures, in pixels.

@@ -3,7 +3,7 @@
 use ndarray::{Array3, ArrayRef2};
 
 use super::region::same_shape;
-use crate::error::positive;
+use crate::base::error::positive;
 use crate::{Error, Real};
 
 /// The colors of [`error_map`]: sRGB codes, mixed linearly as codes.

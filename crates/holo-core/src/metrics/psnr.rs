@@ -2,7 +2,7 @@
 
 use ndarray::ArrayRef3;
 
-use crate::error::positive;
+use crate::base::error::positive;
 use crate::{Error, Sample};
 
 /// Returns the peak signal-to-noise ratio of two images over all pixels and channels, in decibels; infinity if they are

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::parallel::*;
+use crate::base::parallel::*;
 use ndarray::{ArrayRef3, ArrayView3};
 
 use super::psnr::check_images;

@@ -3,7 +3,7 @@
 use ndarray::ArrayRef2;
 
 use super::{PixelCounts, Region};
-use crate::error::not_negative;
+use crate::base::error::not_negative;
 use crate::{Error, Real};
 
 /// Pixels for the first evaluation of every candidate plane.

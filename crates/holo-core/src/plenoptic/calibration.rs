@@ -7,7 +7,7 @@ use super::white_grid::Displacement;
 use super::{
     ArrayFocus, ImageSensor, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid, MicrolensIndex, PlenopticCamera,
 };
-use crate::parallel::*;
+use crate::base::parallel::*;
 use crate::{Error, GridSize};
 
 /// Steps from the lattice of the middle to that of the whole sensor: each leaves a fiftieth of a displacement.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::glass_lens::{GlassLens, WAVELENGTH_NM};
 use super::main_lens::Pupils;
 use super::{MainLens, Microlens, MicrolensArray, MicrolensFocus, MicrolensIndex};
-use crate::error::positive;
+use crate::base::error::positive;
 use crate::{Error, GridSize};
 
 /// The largest number of pixels along a side of a sensor, so that every microlens has an index.

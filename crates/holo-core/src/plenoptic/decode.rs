@@ -3,8 +3,8 @@
 use ndarray::{Array2, Array5, ArrayView2, ArrayView3, Axis};
 
 use super::{MicrolensGrid, PlenopticCamera};
-use crate::memory;
-use crate::parallel::*;
+use crate::base::memory;
+use crate::base::parallel::*;
 use crate::{Error, GridSize, LightField, LightFieldOwned, LightFieldShape, Rig};
 
 /// The least light of a white image, relative to an unvignetted pixel, at which a sample counts.

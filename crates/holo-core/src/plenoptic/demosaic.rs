@@ -3,9 +3,9 @@
 use ndarray::{Array2, Array3, ArrayView2, Axis, Zip};
 
 use super::{MicrolensIndex, PlenopticCamera};
-use crate::parallel::*;
+use crate::base::parallel::*;
 use crate::sensor::{ColorFilter, weighted_demosaic};
-use crate::{Error, GridSize, memory};
+use crate::{Error, GridSize, base::memory};
 
 /// The light, relative to that of an unvignetted pixel, below which the white image divides nothing.
 const LEAST_LIGHT: f32 = 0.02;

@@ -18,7 +18,7 @@ use ndarray::{Array2, ArrayView2, ArrayView3, Axis};
 use self::lenses::Lenses;
 use self::samples::{Point, RawLight};
 use super::{Decoded, PlenopticCamera, PlenopticMode};
-use crate::parallel::*;
+use crate::base::parallel::*;
 use crate::synthesize::map_of_view;
 use crate::{Error, GridSize, LightField, LightFieldShape, Rig, ViewIndex};
 

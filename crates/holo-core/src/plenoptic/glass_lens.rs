@@ -2,8 +2,7 @@
 
 use super::main_lens::Pupils;
 use super::prescription::{Field, FieldTable, TracedLens};
-use super::{LensRays, Microlens, PlenopticCamera, PlenopticRay, Prescription};
-use crate::Error;
+use super::{LensRays, Prescription};
 
 /// The wavelength that cameras are traced at if none is chosen, in nanometers: the d line.
 pub(super) const WAVELENGTH_NM: f64 = 587.5618;
@@ -103,70 +102,4 @@ pub struct TracedRays<const N: usize> {
     pub direction: [[f64; N]; 2],
     /// Below 0 for rays that the lens stops.
     pub clearance: [f64; N],
-}
-
-/// Cameras with a lens of glass.
-impl PlenopticCamera {
-    /// Returns the camera for light of another wavelength, which the glass of its lens refracts otherwise. A camera without a
-    /// prescription stays as it is. Everything that is defined near the axis stays that of the d line, 587.6 nm.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadNumber`] for a wavelength outside of 350 to 1100 nm.
-    pub fn at_wavelength(&self, wavelength_nm: f64) -> Result<Self, Error> {
-        if !(350.0..=1100.0).contains(&wavelength_nm) {
-            return Err(Error::BadNumber {
-                what: "wavelength in nanometers",
-                value: wavelength_nm,
-                need: "350 to 1100",
-            });
-        }
-        let mut camera = self.clone();
-        camera.set_glass(wavelength_nm);
-        Ok(camera)
-    }
-
-    /// Returns whether the main lens is one of glass, whose rays are traced.
-    #[inline]
-    #[must_use]
-    pub const fn has_glass(&self) -> bool {
-        self.glass.is_some()
-    }
-
-    /// Returns rays as [`relative_ray`](Self::relative_ray) does, for a lens of glass and points of several microlenses: by places on
-    /// the plane of an array that is not tilted, and slopes per meter between microlens and main lens, in upright coordinates. `None`
-    /// without a prescription.
-    #[inline(always)]
-    #[must_use]
-    pub fn traced_rays<const N: usize>(&self, place_m: [[f64; N]; 2], slope: [[f64; N]; 2]) -> Option<TracedRays<N>> {
-        self.glass.as_ref().map(|glass| glass.trace(place_m, slope))
-    }
-
-    /// The light from a place on the sensor through a point of a microlens, by points relative to the centers: where it crosses the
-    /// plane of an array that is not tilted, and its slope per meter between microlens and main lens.
-    #[inline]
-    #[must_use]
-    pub(super) fn to_glass(&self, lens: &Microlens, on_sensor_m: [f64; 2], on_lens_m: [f64; 2]) -> [[f64; 2]; 2] {
-        let (exit_m, raised_m) = (lens.pupils.exit_m, lens.gap_m - self.array().gap_m);
-        let point = [0, 1].map(|k| lens.center_m[k] + on_lens_m[k]);
-        let slope = [0, 1].map(|k| {
-            let in_pupil = exit_m / lens.gap_m * on_sensor_m[k] - lens.alpha * on_lens_m[k];
-            -(point[k] + in_pupil) / exit_m
-        });
-        [[0, 1].map(|k| point[k] - raised_m * slope[k]), slope]
-    }
-
-    /// The ray through a lens of glass, and whether it passes.
-    pub(super) fn glass_ray(
-        &self,
-        glass: &GlassLens,
-        lens: &Microlens,
-        on_sensor_m: [f64; 2],
-        on_lens_m: [f64; 2],
-    ) -> (PlenopticRay, bool) {
-        let [place, slope] = self.to_glass(lens, on_sensor_m, on_lens_m).map(|pair| pair.map(|x| [x]));
-        let TracedRays { origin_m, direction, clearance } = glass.trace(place, slope);
-        let ray = PlenopticRay { origin_m: origin_m.map(|x| x[0]), direction: direction.map(|x| x[0]) };
-        (ray, clearance[0] >= 0.0)
-    }
 }

@@ -3,7 +3,7 @@
 use ndarray::{Array2, ArrayView2, Axis};
 
 use super::MicrolensGrid;
-use crate::parallel::*;
+use crate::base::parallel::*;
 
 /// The side of the middle of the image that is compared with itself, px.
 const SIDE: usize = 256;

@@ -2,7 +2,7 @@
 
 use super::{Distortion, Paraxial, Prescription, PupilShape};
 use crate::Error;
-use crate::error::positive;
+use crate::base::error::positive;
 
 /// A round stop in front of the main lens, on its axis: a lens hood or the rim of a lens element, which vignettes the
 /// borders of the image.

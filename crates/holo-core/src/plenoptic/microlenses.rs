@@ -1,7 +1,7 @@
 //! The microlens array: lattice, apertures and types of its microlenses.
 
 use crate::Error;
-use crate::error::positive;
+use crate::base::error::positive;
 
 /// The rows of a hexagonal grid are this times the pitch apart.
 pub(super) const HEX_ROW: f64 = 0.866_025_403_784_438_6;

@@ -15,7 +15,7 @@ pub(super) use field::{Field, FieldTable, LightEdge, chief_direction};
 pub(super) use trace::TracedLens;
 
 use crate::Error;
-use crate::error::positive;
+use crate::base::error::positive;
 
 /// The largest number of surfaces of a lens.
 const MAX_SURFACES: usize = 64;

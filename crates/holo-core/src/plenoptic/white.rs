@@ -14,8 +14,8 @@ use self::points::{GAUSS_3, even_points, lens_points};
 use super::microlenses::HEX_ROW;
 use super::{LensAperture, Microlens, PlenopticCamera, PupilShape};
 use crate::Error;
-use crate::memory;
-use crate::parallel::*;
+use crate::base::memory;
+use crate::base::parallel::*;
 
 /// Rows of pixels that are computed together.
 const BAND_ROWS: usize = 64;

@@ -4,9 +4,9 @@ use std::str::FromStr;
 
 use ndarray::{Array2, ArrayView2};
 
-use crate::error::positive;
+use crate::base::error::positive;
+use crate::base::memory::filled;
 use crate::light_field::checked_length;
-use crate::memory::filled;
 use crate::{Error, GridSize, LightFieldShape};
 
 /// A synthetic aperture: a weight for every view of a light field.

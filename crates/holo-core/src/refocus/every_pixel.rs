@@ -2,12 +2,12 @@
 //!
 //! Pixels share no work: each takes sixteen samples of every view.
 
-use crate::parallel::*;
+use crate::base::parallel::*;
 use ndarray::{Array3, ArrayView2, ArrayView5};
 
 use super::Refocus;
 use super::kernel::Shift;
-use crate::memory::{collected, filled};
+use crate::base::memory::{collected, filled};
 use crate::{Error, Real, Sample};
 
 pub(super) fn all_in_focus<T: Sample, D: Real>(

@@ -1,7 +1,7 @@
 //! A plane of focus, which may be tilted.
 
 use crate::Error;
-use crate::error::positive_or_infinite;
+use crate::base::error::positive_or_infinite;
 
 /// A plane of focus before a camera.
 ///

@@ -5,14 +5,14 @@
 //! multiplications per sample instead of sixteen, with constant weights along a line. The aperture need not be
 //! separable.
 
-use crate::parallel::*;
+use crate::base::parallel::*;
 use ndarray::{Array3, ArrayView5, ArrayViewMut2, Axis};
 
 use super::Refocus;
 use super::kernel::{PAD, Shift};
-use crate::layout::checked_product;
+use crate::base::memory::filled;
+use crate::light_field::layout::checked_product;
 use crate::light_field::rearrange::{Scratch, fill_viewpoint_row};
-use crate::memory::filled;
 use crate::{Error, Sample};
 
 pub(super) fn shift_and_sum<T: Sample>(

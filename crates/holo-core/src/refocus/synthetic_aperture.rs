@@ -4,9 +4,9 @@ use ndarray::{Array3, ArrayView2, ArrayView3};
 
 use super::FocalPlane;
 use super::kernel::{Kernel, add_sample};
+use crate::base::memory::filled;
+use crate::base::parallel::*;
 use crate::camera::Relative;
-use crate::memory::filled;
-use crate::parallel::*;
 use crate::{Error, Pinhole, Sample};
 
 /// The image of a wide aperture, summed up image by image from those of cameras anywhere.

@@ -3,8 +3,8 @@
 use ndarray::{Array3, ArrayView2, Axis};
 
 use super::ColorFilter;
-use crate::parallel::*;
-use crate::{Error, memory};
+use crate::base::parallel::*;
+use crate::{Error, base::memory};
 
 /// How the missing colors of a pixel are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

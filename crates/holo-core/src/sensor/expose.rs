@@ -4,8 +4,8 @@ use ndarray::{Array3, ArrayView3, Axis};
 
 use super::random::{Purpose, Stream, exp};
 use super::{ColorFilter, Exposure, SensorModel};
-use crate::parallel::*;
-use crate::{Error, memory};
+use crate::base::parallel::*;
+use crate::{Error, base::memory};
 
 /// The share of the lit values that automatic exposure keeps below [`TARGET`] of saturation.
 const SHARE: f64 = 0.99;

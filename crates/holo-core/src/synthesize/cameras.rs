@@ -7,8 +7,8 @@ use ndarray::{Array2, ArrayView2, ArrayView3};
 use super::new_view::{Motion, NewView, Source};
 use super::surface::{Line, Surface, span};
 use super::{SynthesizedImage, ViewSynthesis};
+use crate::base::memory::collected;
 use crate::camera::Relative;
-use crate::memory::collected;
 use crate::{Error, Pinhole, Sample};
 
 /// Cameras take part in groups of this many, the nearest ones first: what a group does not show, the next may.

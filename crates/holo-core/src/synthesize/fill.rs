@@ -3,7 +3,8 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use super::surface::STEP_PX;
+/// Neighboring pixels whose disparities differ by more belong to different surfaces, px.
+pub(super) const STEP_PX: f32 = 0.5;
 
 /// Fills the pixels of a map that are NaN, and their colors of `channels` numbers a pixel, from their neighbors: the farthest ones
 /// spread first, into all of a hole that they reach. A map without any number stays as it is.

@@ -4,8 +4,8 @@ use ndarray::{Array2, Array3, ArrayView3};
 
 use super::fill::fill;
 use super::surface::{Line, Surface};
-use crate::memory::filled;
-use crate::parallel::*;
+use crate::base::memory::filled;
+use crate::base::parallel::*;
 use crate::refocus::{Kernel, add_sample};
 use crate::{Error, GridSize, Sample};
 

@@ -3,13 +3,10 @@
 use ndarray::{ArrayView2, Axis};
 
 use super::ViewDisparities;
-use super::fill::fill;
-use crate::memory::filled;
-use crate::parallel::*;
+use super::fill::{STEP_PX, fill};
+use crate::base::memory::filled;
+use crate::base::parallel::*;
 use crate::{BaselineRatio, Error, GridSize, LightFieldShape, ViewIndex};
-
-/// Neighboring pixels whose disparities differ by more belong to different surfaces, px.
-pub(super) const STEP_PX: f32 = 0.5;
 
 /// How near a line comes to a surface that it meets, px.
 const MEETS_PX: f64 = 1e-3;

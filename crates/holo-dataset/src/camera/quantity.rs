@@ -3,7 +3,7 @@
 use holo_core::GridSize;
 use serde_json::{Value, json};
 
-use crate::text::json_number;
+use crate::settings::text::json_number;
 
 /// A quantity with its name.
 #[derive(Clone, Debug, PartialEq)]

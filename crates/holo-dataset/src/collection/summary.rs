@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 
 use super::plan::DatasetJob;
 use crate::output::Statistics;
+use crate::settings::text;
 use crate::shot::{RenderReport, ShotOutcome};
-use crate::text;
 
 /// What became of a job; prints as a line of text.
 #[derive(Clone, Debug)]

@@ -24,7 +24,7 @@ use serde_json::Value;
 
 pub(crate) use self::record::Record;
 use self::record::fields;
-use super::own::{self, Own};
+use super::own::{self, CROISSANT_JSON, LIGHT_FIELDS_CSV, Own, SPLITS};
 use super::verify::differences;
 use crate::Error;
 use crate::output::inner_name;
@@ -33,15 +33,6 @@ use crate::watch::Diagnostics;
 
 /// Every scene of this number is for tests, so that no scene is in both splits.
 const TEST_EVERY: usize = 5;
-
-/// The description in the vocabulary of Croissant.
-pub(crate) const CROISSANT_JSON: &str = "croissant.json";
-
-/// The records as a table.
-pub(crate) const LIGHT_FIELDS_CSV: &str = "light_fields.csv";
-
-/// The folders for training, and those for tests.
-pub(super) const SPLITS: [&str; 2] = ["train.txt", "test.txt"];
 
 /// How many light fields of a dataset a catalog describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

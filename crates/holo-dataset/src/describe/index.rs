@@ -8,14 +8,10 @@ use holo_io::Folder;
 use holo_io::dataset::{self as names, DatasetCamera, DatasetIndex, DatasetPoses, DatasetRecipe, SceneEntry};
 use holo_scene::gallery;
 
-use super::catalog;
-use super::own::Own;
+use super::own::{CROISSANT_JSON, LIGHT_FIELDS_CSV, Own, TITLE};
 use crate::Error;
 use crate::output::TRANSFORMS;
 use crate::settings::{RenderSettings, texts};
-
-/// The title of every `DATASET.md`.
-pub(super) const TITLE: &str = "# A dataset of raw holoscopic images";
 
 /// SPDX identifier of the license of the images.
 const LICENSE: &str = "CC0-1.0";
@@ -355,11 +351,8 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
 
 /// Files of the root, as `DATASET.md` lists them. All but `dataset.json` are written when the jobs are done.
 const LISTS: [(&str, &str); 4] = [
-    (catalog::CROISSANT_JSON, "MLCommons Croissant: every file with its SHA-256, a record for each light field"),
-    (
-        catalog::LIGHT_FIELDS_CSV,
-        "the same records as a table: cameras, disparities, depths, mean and deviation of color, error",
-    ),
+    (CROISSANT_JSON, "MLCommons Croissant: every file with its SHA-256, a record for each light field"),
+    (LIGHT_FIELDS_CSV, "the same records as a table: cameras, disparities, depths, mean and deviation of color, error"),
     (
         "train.txt, test.txt",
         "the folders for training and for tests; a scene is in one of both with all its cameras, poses and frames",

@@ -21,10 +21,21 @@ use holo_io::dataset::{DATASET_JSON, DATASET_MD, DatasetCamera, DatasetIndex};
 use holo_io::{EntryKind, Folder};
 use serde_json::Value;
 
-use super::catalog::{CROISSANT_JSON, LIGHT_FIELDS_CSV, SPLITS, contact_sheet, croissant, record};
-use super::index;
+use super::catalog::{contact_sheet, croissant, record};
 use crate::Error;
 use crate::output::{TRANSFORMS, poses};
+
+/// The description in the vocabulary of Croissant.
+pub(crate) const CROISSANT_JSON: &str = "croissant.json";
+
+/// The records as a table.
+pub(crate) const LIGHT_FIELDS_CSV: &str = "light_fields.csv";
+
+/// The folders for training, and those for tests.
+pub(super) const SPLITS: [&str; 2] = ["train.txt", "test.txt"];
+
+/// The title of every `DATASET.md`.
+pub(super) const TITLE: &str = "# A dataset of raw holoscopic images";
 
 /// The largest size of a file of text that is read to find out whose it is.
 const MAX_BYTES: u64 = 1 << 30;
@@ -83,7 +94,7 @@ impl<'a> Own<'a> {
         let text = || String::from_utf8(self.root.read(name, MAX_BYTES).ok()?).ok();
         Some(match name {
             DATASET_JSON => self.index.is_some(),
-            DATASET_MD => text()?.starts_with(index::TITLE),
+            DATASET_MD => text()?.starts_with(TITLE),
             CROISSANT_JSON => {
                 let document: Value = serde_json::from_str(&text()?).ok()?;
                 document["name"] == croissant::NAME && document["conformsTo"] == croissant::CONFORMS_TO

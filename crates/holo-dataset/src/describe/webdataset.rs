@@ -20,7 +20,7 @@ use tar::{Builder, EntryType, Header};
 use super::catalog::{Record, records};
 use super::verify::is_dataset;
 use crate::output::{OutputFolder, Rollback, existing};
-use crate::{Error, text};
+use crate::{Error, settings::text};
 
 /// Files that hold the pixels of `scene_el.png` again.
 const COPIES: [&str; 2] = [VIEWPOINT_PNG, LIGHT_FIELD_MAT];

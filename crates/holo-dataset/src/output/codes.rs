@@ -7,11 +7,29 @@ use ndarray::{ArrayView3, Axis};
 
 use super::folder::OutputFolder;
 use crate::Error;
-use crate::settings::SensorName;
+use crate::settings::{RenderSettings, SensorName};
 
 const PNG: &str = "scene_raw.png";
 const DNG: &str = "scene_raw.dng";
 const JSON: &str = "scene_raw.json";
+
+/// How the integers of an image are exposed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Exposed {
+    /// The exposure compensation, EV; `None` without color.
+    pub ev: Option<f64>,
+    /// The electrons of the radiance 1 on an image sensor; `None`: by the image itself.
+    pub electrons: Option<f64>,
+}
+
+impl Exposed {
+    /// The image sensor of the settings, if they have one.
+    pub fn sensor(self, settings: &RenderSettings) -> Option<Exposing> {
+        let sensor = settings.output.sensor_model?;
+        let (iso, seed) = (settings.output.iso, settings.light.seed);
+        Some(Exposing { sensor, iso, electrons: self.electrons, seed })
+    }
+}
 
 /// An image sensor, and how it is exposed.
 #[derive(Clone, Copy, Debug)]

@@ -5,11 +5,13 @@ use holo_io::{CameraFile, Manifest, ParametersCfg, dataset};
 use holo_render::{Layer, Layers, Motion, Rendered, exposure};
 use ndarray::{Array2, Array3};
 
+use super::codes::Exposed;
 use super::folder::OutputFolder;
 use super::images::Images;
+use super::statistics::Finished;
 use super::statistics::Statistics;
 use super::wanted::Wanted;
-use super::{codes, layers, masks, motion, raw};
+use super::{layers, masks, motion, raw};
 use crate::Error;
 use crate::settings::{Exposure, RenderSettings};
 
@@ -43,32 +45,6 @@ pub(crate) struct TracedViews {
     pub visibility: Option<Array2<f32>>,
     /// The motion of the central view or of all views until the next frame, if it was requested.
     pub motion: Vec<Motion>,
-}
-
-/// The result of writing the files.
-pub(crate) struct Finished {
-    /// The range of disparities of the central view.
-    pub disparity_px: Option<(f64, f64)>,
-    pub statistics: Statistics,
-    pub files: Vec<String>,
-}
-
-/// How the integers of an image are exposed.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Exposed {
-    /// The exposure compensation, EV; `None` without color.
-    pub ev: Option<f64>,
-    /// The electrons of the radiance 1 on an image sensor; `None`: by the image itself.
-    pub electrons: Option<f64>,
-}
-
-impl Exposed {
-    /// The image sensor of the settings, if they have one.
-    pub fn sensor(self, settings: &RenderSettings) -> Option<codes::Exposing> {
-        let sensor = settings.output.sensor_model?;
-        let (iso, seed) = (settings.output.iso, settings.light.seed);
-        Some(codes::Exposing { sensor, iso, electrons: self.electrons, seed })
-    }
 }
 
 /// Returns the exposure compensation of the complete image in EV, if it has color.

@@ -8,10 +8,11 @@ use holo_render::{Rendered, exposure};
 use ndarray::{Array2, Array3, Axis, Zip};
 
 use super::codes;
-use super::files::{Exposed, Finished};
+use super::codes::Exposed;
 use super::folder::OutputFolder;
 use super::layers::{COLOR, ERROR, write_hit_mask, write_pfm};
 use super::memory::is_room;
+use super::statistics::Finished;
 use super::statistics::Statistics;
 use super::wanted::Wanted;
 use crate::Error;

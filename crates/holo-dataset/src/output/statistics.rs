@@ -10,7 +10,15 @@ use ndarray::{Array2, Axis};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::text;
+use crate::settings::text;
+
+/// The result of writing the files.
+pub(crate) struct Finished {
+    /// The range of disparities of the central view.
+    pub disparity_px: Option<(f64, f64)>,
+    pub statistics: Statistics,
+    pub files: Vec<String>,
+}
 
 /// The key in the settings of a manifest.
 const STATISTICS: &str = "statistics";

@@ -10,7 +10,6 @@ use holo_render::{Motion, Progress, Rendered};
 use ndarray::Array2;
 
 use super::report::{RenderReport, Seconds};
-use super::runner::Runner;
 use super::source::SceneSource;
 use super::warning::RenderWarning;
 use crate::Error;
@@ -254,18 +253,6 @@ impl RenderJob {
         frames.into_iter().flat_map(shot).collect()
     }
 
-    /// Renders into the folder `out`. If an earlier run was interrupted, this one continues from its
-    /// [checkpoint](Checkpoints), to the same bytes; of several shots, those that are up to date are kept.
-    ///
-    /// # Errors
-    /// [`Error::BadRequest`] if the settings contradict each other, or a folder holds another image and is not to be
-    /// overwritten; [`Error::Scene`] and [`Error::Failed`] if the scene or the environment map cannot be read;
-    /// [`Error::Render`] for errors and cancellation of the renderer; [`Error::Io`] if files cannot be written. Files and
-    /// folders that the shot created are removed then, except for a checkpoint.
-    pub fn run(&self, out: impl AsRef<Path>, options: &RunOptions) -> Result<Vec<(Shot, ShotOutcome)>, Error> {
-        Runner::new(self, options.diagnostics)?.run(out.as_ref(), options)
-    }
-
     /// Returns the names of all files that these shots of the job have in its folder `out`, relative to it: those of every
     /// shot, made or kept, the poses, and the light fields of all frames as one array.
     #[must_use]
@@ -283,15 +270,6 @@ impl RenderJob {
         of_all.dedup();
         files.extend(of_all.into_iter().filter(|name| out.as_ref().join(name).is_file()));
         files
-    }
-
-    /// Renders the complete image of a job with one shot into memory: what [`run`](Self::run) writes, before it is encoded.
-    /// Needs no folder and keeps no checkpoint.
-    ///
-    /// # Errors
-    /// As [`run`](Self::run), without those of files that are written; [`Error::BadRequest`] for several shots.
-    pub fn render(&self, options: &RunOptions) -> Result<Rendering, Error> {
-        Runner::new(self, options.diagnostics)?.render(options)
     }
 }
 

@@ -19,10 +19,9 @@ use holo_io::{ArrayCamera, CameraArray, ColorEncoding, Compression, FileDigest, 
 use holo_render::{Integrator, Layer, RayCounts, Rendered, World, exposure};
 
 use super::engine;
-use super::job::{RunOptions, Shot};
+use super::job::{RenderJob, RunOptions, Shot};
 use super::prepare::{Prepared, Setup, Stage};
 use super::report::{CameraReport, RenderReport, Seconds};
-use super::runner::Runner;
 use super::trace;
 use crate::Error;
 use crate::output::layers::{COLOR, file_part, write_hit_mask, write_pfm};
@@ -37,8 +36,8 @@ const IMAGES: &str = "images";
 
 /// Renders the images of all cameras, or of every N-th of a shard, into a folder.
 pub(super) fn render(
-    runner: &Runner,
-    setup: &Setup,
+    job: &RenderJob,
+    (setup, identity): (&Setup, Manifest),
     (stage, world): (&Stage, &World),
     shot: &Shot,
     (mut folder, shard): (OutputFolder, Option<Shard>),
@@ -54,9 +53,8 @@ pub(super) fn render(
         )));
     }
     folder.unseal()?;
-    let identity = runner.identity(shot)?;
     let request = (array, &setup.settings.light, setup.wanted, shard);
-    let keeper = runner.job.checkpoints.as_ref().map(|checkpoints| {
+    let keeper = job.checkpoints.as_ref().map(|checkpoints| {
         Keeper::open(checkpoints, folder.folder(), (&stage.loaded.scene, request), &identity, options.diagnostics)
     });
     let made = images(setup, (stage, world), (array, shard), (folder, identity), keeper.as_ref(), options);

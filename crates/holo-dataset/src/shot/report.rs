@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 
 use super::warning::RenderWarning;
 use crate::output::Statistics;
+use crate::settings::text;
 use crate::settings::word;
-use crate::text;
 
 /// Statistics of a finished shot.
 #[derive(Clone, Debug)]

@@ -49,6 +49,29 @@ pub(crate) struct Runner<'a> {
     chosen: OnceCell<Chosen>,
 }
 
+impl RenderJob {
+    /// Renders into the folder `out`. If an earlier run was interrupted, this one continues from its
+    /// [checkpoint](crate::Checkpoints), to the same bytes; of several shots, those that are up to date are kept.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`] if the settings contradict each other, or a folder holds another image and is not to be
+    /// overwritten; [`Error::Scene`] and [`Error::Failed`] if the scene or the environment map cannot be read;
+    /// [`Error::Render`] for errors and cancellation of the renderer; [`Error::Io`] if files cannot be written. Files and
+    /// folders that the shot created are removed then, except for a checkpoint.
+    pub fn run(&self, out: impl AsRef<Path>, options: &RunOptions) -> Result<Vec<(Shot, ShotOutcome)>, Error> {
+        Runner::new(self, options.diagnostics)?.run(out.as_ref(), options)
+    }
+
+    /// Renders the complete image of a job with one shot into memory: what [`run`](Self::run) writes, before it is encoded.
+    /// Needs no folder and keeps no checkpoint.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run), without those of files that are written; [`Error::BadRequest`] for several shots.
+    pub fn render(&self, options: &RunOptions) -> Result<Rendering, Error> {
+        Runner::new(self, options.diagnostics)?.render(options)
+    }
+}
+
 impl<'a> Runner<'a> {
     /// Checks the settings, and finds the ray tracing backend.
     pub fn new(job: &'a RenderJob, diagnostics: &dyn Diagnostics) -> Result<Self, Error> {
@@ -282,7 +305,8 @@ impl<'a> Runner<'a> {
             check_replaceable(inside, || self.identity(shot), |older| merge::other(older, shard))?;
         }
         if matches!(setup.settings.camera, Camera::Pinhole) {
-            return pinholes::render(self, setup, (stage, world), shot, (folder, shard), options);
+            let identity = self.identity(shot)?;
+            return pinholes::render(self.job, (setup, identity), (stage, world), shot, (folder, shard), options);
         }
         let prepared = setup.prepare(stage, world, shot.pose, options.diagnostics)?;
         let rendering = Instant::now();

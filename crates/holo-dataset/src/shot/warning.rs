@@ -8,7 +8,7 @@ use holo_io::CameraFile;
 use holo_render::Layers;
 use ndarray::Array3;
 
-use crate::text;
+use crate::settings::text;
 
 /// A warning that an image is probably not what was wanted. [`Display`](fmt::Display) gives one line.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,31 +2,25 @@
 
 use std::path::Path;
 
-use super::options::ReadOptions;
-use super::reader::{LightFieldFormat, LightFieldReader, encoding, parameters_path};
-use super::source::Source;
-use crate::{Error, FileFormat, detect_format};
+use holo_core::{ColorEncoding, GridSize, Layout, LightFieldShape};
 
-#[cfg(all(feature = "png", feature = "camera"))]
-use super::plenoptic;
+use super::options::ReadOptions;
+use super::reader::{LightFieldFormat, LightFieldReader, encoding, parameters_path, sizes};
+use super::source::Source;
+use super::{archives, plenoptic};
+use crate::files::detect_format;
+use crate::images::image_file::read_image_info;
+use crate::{Error, FileFormat, ParametersCfg, layout_of_file_name};
 #[cfg(feature = "hdf5")]
 use crate::{
     Hdf5LightField,
-    hdf5::{OldHciFile, is_old_hci},
-};
-#[cfg(feature = "png")]
-use {
-    super::archives,
-    super::reader::sizes,
-    crate::{ParametersCfg, image_file::read_image_info, layout_of_file_name},
-    holo_core::{ColorEncoding, GridSize, Layout, LightFieldShape},
+    arrays::hdf5::{OldHciFile, is_old_hci},
 };
 
 /// Opens a file that contains a light field.
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
     let no_light_field = |what: &str| Error::NoLightField { path: path.to_owned(), what: what.to_owned() };
     match detect_format(path)? {
-        FileFormat::Exr if !cfg!(feature = "exr") => Err(needs_feature(path, "exr", "an OpenEXR image")),
         FileFormat::Png | FileFormat::Tiff | FileFormat::Exr => open_image(path, options),
         FileFormat::Mat5 | FileFormat::Mat73 => Ok(of_mat(path, options)?.complete_from(&parameters_path(path))),
         FileFormat::Hdf5 => open_hdf5(path, options),
@@ -35,14 +29,12 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<LightFieldReade
     }
 }
 
-#[cfg(feature = "png")]
 fn open_image(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
     let missing = |option, what| Error::MissingOption { path: path.to_owned(), option, what };
     if options.layout.is_none() && archives::is_eslf(path) {
         return open_eslf(path, options);
     }
     let layout = options.layout.or_else(|| layout_of_file_name(path));
-    #[cfg(feature = "camera")]
     if layout.is_none()
         && let Some(camera) = plenoptic::camera_beside(path)?
     {
@@ -87,7 +79,6 @@ fn open_image(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Er
     Ok(reader.complete(&parameters, &parameters_path))
 }
 
-#[cfg(feature = "png")]
 fn open_eslf(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
     let views = options.views.unwrap_or(GridSize::new(archives::ESLF_VIEWS, archives::ESLF_VIEWS));
     if views.count() == 0 {
@@ -100,25 +91,14 @@ fn open_eslf(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Err
     Ok(reader.complete_from(&parameters_path(path)))
 }
 
-#[cfg(not(feature = "png"))]
-fn open_image(path: &Path, _: &ReadOptions) -> Result<LightFieldReader, Error> {
-    Err(needs_feature(path, "png", "an image"))
-}
-
 /// Opens a MAT file without the files beside it.
-#[cfg(feature = "mat")]
 pub(super) fn of_mat(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
-    let header = crate::mat::read_light_field_header(path, &options.limits)?;
+    let header = crate::arrays::mat::read_light_field_header(path, &options.limits)?;
     let mut reader = LightFieldReader::new(path, options, LightFieldFormat::Mat, header.shape, Source::Mat);
     reader.color_encoding = encoding(header.is_float);
     reader.rig = header.rig;
     reader.warnings.extend(header.rig_error.map(|error| Error::core(path, error).to_string()));
     Ok(reader)
-}
-
-#[cfg(not(feature = "mat"))]
-pub(super) fn of_mat(path: &Path, _: &ReadOptions) -> Result<LightFieldReader, Error> {
-    Err(needs_feature(path, "mat", "a MAT file"))
 }
 
 #[cfg(feature = "hdf5")]

@@ -9,16 +9,14 @@ use super::file;
 use super::grid_of_names::grid_of_names;
 use super::natural_order::list_images;
 use super::options::ReadOptions;
-#[cfg(feature = "camera")]
 use super::plenoptic;
 use super::reader::{LightFieldFormat, LightFieldReader, encoding, parameters_path};
 use super::source::Source;
-#[cfg(feature = "camera")]
-use crate::dataset::PlenopticFolder;
-use crate::dataset::{DatasetFolder, Representation};
-use crate::folder::Folder;
-use crate::image_file::read_image_info;
-use crate::names::{LIGHT_FIELD_HDF5, MANIFEST_JSON, PARAMETERS_CFG, is_regular};
+use crate::files::folder::Folder;
+use crate::files::names::{LIGHT_FIELD_HDF5, MANIFEST_JSON, PARAMETERS_CFG, is_regular};
+use crate::images::image_file::read_image_info;
+use crate::records::dataset::PlenopticFolder;
+use crate::records::dataset::{DatasetFolder, Representation};
 use crate::{Error, FileInfo, GantryFolder, HciFolder};
 
 /// The name of the format in messages.
@@ -63,7 +61,6 @@ pub struct LightFieldFolder {
 #[derive(Debug)]
 enum Contents {
     Dataset(Box<DatasetFolder>),
-    #[cfg(feature = "camera")]
     Plenoptic(Box<PlenopticFolder>),
     Hci(Box<HciFolder>),
     Gantry(Box<GantryFolder>),
@@ -85,7 +82,6 @@ impl LightFieldFolder {
                 let found = of_dataset(&folder);
                 (Contents::Dataset(folder), found)
             }
-            #[cfg(feature = "camera")]
             FileInfo::PlenopticFolder(folder) => {
                 let found = folder.representations();
                 (Contents::Plenoptic(folder), found)
@@ -144,7 +140,6 @@ impl LightFieldFolder {
         let Self { path, contents, representations } = self;
         let mut reader = match (contents, preferred) {
             (Contents::Dataset(folder), _) => open_dataset(folder, preferred, options)?,
-            #[cfg(feature = "camera")]
             (Contents::Plenoptic(folder), _) => {
                 plenoptic::open(&file_of(&path, preferred), folder.camera().clone(), options)?
             }
@@ -190,7 +185,6 @@ impl LightFieldFolder {
                 let names = names(&Representation::OF_DATASET);
                 format!("there is no raw image: {MANIFEST_JSON} lists none of {names} with all views")
             }
-            #[cfg(feature = "camera")]
             Contents::Plenoptic(_) => {
                 format!("it is of a plenoptic camera, but has none of {}", names(&Representation::OF_PLENOPTIC))
             }
@@ -204,12 +198,6 @@ impl LightFieldFolder {
 fn missing_feature(representation: Representation) -> Option<&'static str> {
     match representation {
         Representation::Hdf5 if !cfg!(feature = "hdf5") => Some("hdf5"),
-        Representation::Mat if !cfg!(feature = "mat") => Some("mat"),
-        Representation::ElementalExr | Representation::ViewpointExr | Representation::PlenopticExr
-            if !cfg!(feature = "exr") =>
-        {
-            Some("exr")
-        }
         _ => None,
     }
 }

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::names::OWN_IMAGES;
-use crate::views::check_regular;
+use crate::files::names::OWN_IMAGES;
+use crate::light_field::views::check_regular;
 
 /// Lists the PNGs and TIFFs of a folder, by file extension, in natural order: digits in their names compare as numbers, so
 /// `view9.png` is before `view10.png`. Images that this project writes beside a light field, such as `scene_el.png`, are no
@@ -69,9 +69,8 @@ fn is_own_image(path: &Path) -> bool {
 
 /// Whether a file may be the image of a view, by its extension.
 fn is_image_name(path: &Path) -> bool {
-    let endings: &[&str] = if cfg!(feature = "tiff") { &["png", "tif", "tiff"] } else { &["png"] };
     let has = |ending: &&str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
-    endings.iter().any(has)
+    ["png", "tif", "tiff"].iter().any(has)
 }
 
 #[cfg(test)]

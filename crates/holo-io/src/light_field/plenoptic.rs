@@ -7,8 +7,8 @@ use holo_core::ColorEncoding;
 use super::options::ReadOptions;
 use super::reader::{LightFieldFormat, LightFieldReader};
 use super::source::Source;
-use crate::image_file::read_image_info;
-use crate::names::{CAMERA_TOML, is_regular};
+use crate::files::names::{CAMERA_TOML, is_regular};
+use crate::images::image_file::read_image_info;
 use crate::{CameraFile, Error};
 
 /// The camera beside an image, if the image may be its raw image: of the size of its sensor, and with colors. The codes of

@@ -10,10 +10,9 @@ use ndarray::{Array2, Array4};
 
 use super::options::ReadOptions;
 use super::source::{Map, Source};
-#[cfg(feature = "png")]
-use crate::dataset::DatasetFolder;
-use crate::dataset::Representation;
-use crate::names::{PARAMETERS_CFG, is_regular};
+use crate::files::names::{PARAMETERS_CFG, is_regular};
+use crate::records::dataset::DatasetFolder;
+use crate::records::dataset::Representation;
 use crate::{Error, Limits, ParametersCfg};
 
 /// The format of a folder or file that contains a light field.
@@ -108,7 +107,6 @@ pub struct LightFieldReader {
     pub(super) representation: Option<Representation>,
     pub(super) representations: Vec<Representation>,
     /// The dataset folder that the file is in.
-    #[cfg(feature = "png")]
     pub(super) dataset: Option<Box<DatasetFolder>>,
 }
 
@@ -134,7 +132,6 @@ impl LightFieldReader {
             warnings: Vec::new(),
             representation: None,
             representations: Vec::new(),
-            #[cfg(feature = "png")]
             dataset: None,
         }
     }
@@ -217,7 +214,6 @@ impl LightFieldReader {
     ///
     /// Those of the reader of the format.
     pub fn depth_m_of_view(&self, (t, s): (usize, usize)) -> Result<Option<Array2<f32>>, Error> {
-        #[cfg(feature = "png")]
         if let Some(folder) = &self.dataset {
             let beside = folder.depth_m_of_view((t, s), &self.limits)?;
             if beside.is_some() {
@@ -252,7 +248,6 @@ impl LightFieldReader {
     ///
     /// Those of the reader of the format; [`Error::TooLarge`] if all maps together exceed the limits.
     pub fn disparity_px_of_views(&self) -> Result<Option<Array4<f32>>, Error> {
-        #[cfg(feature = "png")]
         if let Some(folder) = &self.dataset {
             let beside = folder.disparity_px_of_views(&self.limits)?;
             if beside.is_some() {
@@ -299,7 +294,6 @@ impl LightFieldReader {
 
     /// The map of a dataset folder, else the one of the file with the samples.
     fn central_map(&self, map: Map) -> Result<Option<Array2<f32>>, Error> {
-        #[cfg(feature = "png")]
         if let Some(folder) = &self.dataset {
             let beside = match map {
                 Map::Depth => folder.depth_m(&self.limits)?,

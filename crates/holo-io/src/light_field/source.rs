@@ -3,23 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use holo_core::{DynImage, DynLightField, LightFieldShape, ViewOrder};
-#[cfg(feature = "png")]
 use ndarray::Axis;
 use ndarray::{Array2, Array4};
 
 use crate::{Error, Limits};
 
-#[cfg(all(feature = "png", feature = "camera"))]
 use super::decode::decode;
-#[cfg(all(feature = "png", feature = "camera"))]
 use crate::CameraFile;
 #[cfg(feature = "hdf5")]
-use crate::{Hdf5LightField, Hdf5Map, hdf5::OldHciFile};
-#[cfg(feature = "png")]
+use crate::{Hdf5LightField, Hdf5Map, arrays::hdf5::OldHciFile};
 use {
     super::archives,
-    crate::views::read_views,
-    crate::{GantryFolder, HciFolder, HciQuantity, HciResolution, image_file::read_image},
+    crate::light_field::views::read_views,
+    crate::{GantryFolder, HciFolder, HciQuantity, HciResolution, images::image_file::read_image},
     holo_core::Layout,
 };
 
@@ -34,26 +30,26 @@ pub(super) enum Map {
 #[derive(Debug)]
 pub(super) enum Source {
     /// No samples: the error of reading them. There may be maps beside them.
-    #[cfg(feature = "png")]
     Nothing(Box<Error>),
-    #[cfg(feature = "png")]
     Hci(Box<HciFolder>),
-    #[cfg(feature = "png")]
     Gantry(Box<GantryFolder>),
     /// One file a view, in natural order.
-    #[cfg(feature = "png")]
-    Images { files: Vec<PathBuf>, order: ViewOrder },
+    Images {
+        files: Vec<PathBuf>,
+        order: ViewOrder,
+    },
     /// The same, of which the rows are counted from below.
-    #[cfg(feature = "png")]
     Mit(Vec<PathBuf>),
-    #[cfg(feature = "png")]
-    RawImage { file: PathBuf, layout: Layout },
-    #[cfg(feature = "png")]
+    RawImage {
+        file: PathBuf,
+        layout: Layout,
+    },
     Eslf(PathBuf),
     /// The raw image of a plenoptic camera.
-    #[cfg(all(feature = "png", feature = "camera"))]
-    Plenoptic { file: PathBuf, camera: Box<CameraFile> },
-    #[cfg(feature = "mat")]
+    Plenoptic {
+        file: PathBuf,
+        camera: Box<CameraFile>,
+    },
     Mat,
     #[cfg(feature = "hdf5")]
     Hdf5(Box<Hdf5LightField>),
@@ -64,7 +60,6 @@ pub(super) enum Source {
 impl Source {
     pub(super) fn raw_image(&self) -> Option<PathBuf> {
         match self {
-            #[cfg(feature = "png")]
             Self::RawImage { file, .. } => Some(file.clone()),
             #[allow(unreachable_patterns, reason = "with one feature alone there is no other variant")]
             _ => None,
@@ -74,9 +69,7 @@ impl Source {
     #[allow(unused_variables, reason = "with one feature alone some are unused")]
     pub(super) fn central_map(&self, map: Map, limits: &Limits) -> Result<Option<Array2<f32>>, Error> {
         match (self, map) {
-            #[cfg(feature = "png")]
             (Self::Hci(folder), Map::Depth) => folder.central_truth(HciQuantity::Depth, HciResolution::Low, limits),
-            #[cfg(feature = "png")]
             (Self::Hci(folder), Map::Disparity) => {
                 folder.central_truth(HciQuantity::Disparity, HciResolution::Low, limits)
             }
@@ -98,7 +91,6 @@ impl Source {
     #[allow(unused_variables, reason = "with one feature alone some are unused")]
     pub(super) fn disparity_px_of_views(&self, limits: &Limits) -> Result<Option<Array4<f32>>, Error> {
         match self {
-            #[cfg(feature = "png")]
             Self::Hci(folder) => {
                 let maps = folder.truth_of_all_views(HciQuantity::Disparity, limits)?;
                 Ok(maps.map(|maps| maps.into_samples().index_axis_move(Axis(4), 0)))
@@ -116,7 +108,6 @@ impl Source {
     /// The order of a list of images, which the images may contradict.
     pub(super) fn order(&self) -> Option<ViewOrder> {
         match self {
-            #[cfg(feature = "png")]
             Self::Images { order, .. } => Some(*order),
             #[allow(unreachable_patterns, reason = "with one feature alone there is no other variant")]
             _ => None,
@@ -137,33 +128,24 @@ impl Source {
     #[allow(unused_variables, reason = "with one feature alone some are unused")]
     pub(super) fn read(self, path: &Path, shape: LightFieldShape, limits: &Limits) -> Result<DynLightField, Error> {
         match self {
-            #[cfg(feature = "png")]
             Self::Nothing(error) => Err(*error),
-            #[cfg(feature = "png")]
             Self::Hci(folder) => folder.read(limits),
-            #[cfg(feature = "png")]
             Self::Gantry(folder) => {
                 let (first, last) = (folder.position(0, 0), folder.position(0, folder.views().columns - 1));
                 let falls = first.zip(last).is_some_and(|(first, last)| first.x > last.x);
                 archives::reversed(folder.read(limits)?, true, falls).map_err(|error| Error::core(path, error))
             }
-            #[cfg(feature = "png")]
             Self::Mit(files) => {
                 let field = read_views(&files, shape.views(), ViewOrder::RowMajor, limits)?;
                 archives::reversed(field, true, false).map_err(|error| Error::core(path, error))
             }
-            #[cfg(feature = "png")]
             Self::Eslf(file) => {
                 archives::eslf(read_image(&file, limits)?, shape).map_err(|error| Error::core(path, error))
             }
-            #[cfg(all(feature = "png", feature = "camera"))]
             Self::Plenoptic { file, camera } => decode(&file, &camera, shape, limits),
-            #[cfg(feature = "png")]
             Self::Images { files, order } => read_views(&files, shape.views(), order, limits),
-            #[cfg(feature = "png")]
             Self::RawImage { file, layout } => DynLightField::from_grid(read_image(&file, limits)?, layout, shape)
                 .map_err(|error| Error::core(path, error)),
-            #[cfg(feature = "mat")]
             Self::Mat => Ok(crate::read_mat_light_field(path, limits)?.light_field),
             #[cfg(feature = "hdf5")]
             Self::Hdf5(file) => file.read(),

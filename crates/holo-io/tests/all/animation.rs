@@ -1,5 +1,4 @@
 //! Animations by the extension of their name. What ffmpeg makes of frames is tested with the binary.
-#![cfg(all(feature = "png", feature = "gif"))]
 
 use holo_io::{Error, write_animation, write_mp4_animation};
 use ndarray::Array3;

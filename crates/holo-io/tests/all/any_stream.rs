@@ -1,5 +1,4 @@
 //! Every `encode_*` writes into any writer, and every `decode_*` reads from any reader.
-#![cfg(all(feature = "png", feature = "exr", feature = "mat", feature = "hdr"))]
 
 use std::io::{self, Cursor, Read, Write};
 

@@ -3,7 +3,6 @@
 //! `peers/write_files.py` writes the files with every program that `HOLO_PYTHON` (or `python3`) has; both sides compute
 //! the numbers by the same formulas. The opposite direction is tested in `peer_readers.rs`, `mat_peers.rs`,
 //! `mat_v73.rs`, `mat_octave.rs` and `hdf5.rs`.
-#![cfg(all(feature = "png", feature = "exr", feature = "mat"))]
 
 use crate::python;
 use std::collections::BTreeMap;

@@ -1,5 +1,4 @@
 //! Dataset folders: light field, rig and maps read back; files that the manifest does not list are ignored.
-#![cfg(feature = "png")]
 
 use std::fs;
 use std::path::Path;

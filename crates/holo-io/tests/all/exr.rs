@@ -1,5 +1,4 @@
 //! OpenEXR: exact round trips, files of other programs, and errors for damaged files.
-#![cfg(feature = "exr")]
 
 use std::fs;
 

@@ -1,6 +1,5 @@
 //! Truncated and damaged OpenEXR files: errors, and no panic outside the panic guard. A decoder that takes absurd
 //! amounts of memory ends the process.
-#![cfg(feature = "exr")]
 
 use std::fs;
 

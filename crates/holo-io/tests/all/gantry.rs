@@ -1,5 +1,4 @@
 //! Folders of the Stanford Lego gantry: names, order, missing views.
-#![cfg(feature = "png")]
 
 use std::fs;
 use std::path::Path;

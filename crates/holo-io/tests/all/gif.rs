@@ -1,5 +1,4 @@
 //! Animated GIF, read back by the crate and by Pillow.
-#![cfg(feature = "gif")]
 
 use crate::python;
 use holo_io::{Error, write_gif_animation};

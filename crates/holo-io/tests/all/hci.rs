@@ -1,5 +1,4 @@
 //! HCI folders: exact round trips, the names of the HCI tools, and damaged folders.
-#![cfg(feature = "png")]
 
 use crate::python;
 use std::fs;

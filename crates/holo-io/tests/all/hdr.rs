@@ -1,5 +1,4 @@
 //! Radiance HDR: values of the closed form, all codings and orientations, and errors for damaged files.
-#![cfg(feature = "hdr")]
 
 use crate::common;
 use holo_core::GridSize;

@@ -1,5 +1,4 @@
 //! `read_light_field`: all formats of folders and files, their rigs, and errors that name missing options.
-#![cfg(all(feature = "png", feature = "mat"))]
 
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,4 @@
 //! Folders that hold a light field, whatever they hold it in: which file is read, and what it holds.
-#![cfg(all(feature = "png", feature = "exr", feature = "mat", feature = "camera"))]
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,4 @@
 //! MAT files of version 5: exact round trips for any shape, strides and type.
-#![cfg(feature = "mat")]
 
 use crate::encoded::encoded;
 use crate::rigs::unequal_baselines as rig;

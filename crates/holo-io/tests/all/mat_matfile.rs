@@ -1,6 +1,5 @@
 //! Errors of the crate `matfile` 0.5.0 with whole files, the reason why it decodes only numbers here. A test that fails
 //! with a later version means that the error is fixed there, and that `mat/v5/numbers.rs` may become simpler.
-#![cfg(feature = "mat")]
 
 use crate::encoded::encoded;
 use holo_io::{Limits, MatArray, MatOptions, MatValue, MatVariable, decode_mat, encode_mat};

@@ -1,5 +1,4 @@
 //! Truncated and damaged MAT files: errors, and no panic outside the panic guard.
-#![cfg(feature = "mat")]
 
 use std::fs;
 

@@ -1,7 +1,6 @@
 //! `.mat` files exchanged with GNU Octave in both directions.
 //!
 //! Needs `octave-cli`; without it the test says so and passes, or fails with `HOLO_REQUIRE_PEERS=1`.
-#![cfg(feature = "mat")]
 
 use crate::python::peer;
 use std::process::Command;
@@ -115,7 +114,6 @@ printf("disparity %s\n", mat2str(size(field.disparity)));
 "#;
 
 /// The files of a render, one by one: whichever holds the light field, the structure is the same.
-#[cfg(feature = "png")]
 #[test]
 fn holo_read_returns_light_field_rig_and_ground_truth() {
     use holo_io::{ColorEncoding, Compression, Manifest, dataset, write_pfm, write_png};

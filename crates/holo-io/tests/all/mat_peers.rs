@@ -1,5 +1,4 @@
 //! MAT files of version 5, exchanged with SciPy in both directions.
-#![cfg(feature = "mat")]
 
 use crate::common::data;
 use crate::python;

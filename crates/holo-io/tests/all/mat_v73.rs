@@ -1,5 +1,5 @@
 //! MAT files of version 7.3: the same variables as in version 5, and the structure that MATLAB and h5py read.
-#![cfg(all(feature = "hdf5", feature = "mat"))]
+#![cfg(feature = "hdf5")]
 
 use crate::python;
 use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Projection, Rig};

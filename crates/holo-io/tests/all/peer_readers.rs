@@ -2,7 +2,6 @@
 //!
 //! Needs a Python that has them: `HOLO_PYTHON`, or `python3`. Without one, it says so and passes, or fails with
 //! `HOLO_REQUIRE_PEERS=1`.
-#![cfg(all(feature = "png", feature = "exr"))]
 
 use crate::python;
 use holo_io::{ColorEncoding, Compression, ExrChannel, ExrCompression, write_exr_with, write_png};

@@ -1,5 +1,4 @@
 //! PNG: exact round trips, errors for damaged files, and refused images, which leave no file.
-#![cfg(feature = "png")]
 
 use std::fs;
 

@@ -1,5 +1,4 @@
 //! Animated PNG: frames and delays read back, and invalid arguments are refused.
-#![cfg(feature = "png")]
 
 use std::fs::{self, File};
 use std::io::BufReader;

@@ -1,5 +1,4 @@
 //! `probe`: the description of any file or folder in one line.
-#![cfg(feature = "png")]
 
 use crate::rigs;
 use std::fs;
@@ -45,7 +44,6 @@ fn files_are_described_in_one_line() {
     assert!(matches!(probe(folder.path().join("none")), Err(Error::Io { .. })));
 }
 
-#[cfg(feature = "exr")]
 #[test]
 fn an_exr_has_its_channels() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/openexr_half_zip.exr");
@@ -55,7 +53,6 @@ fn an_exr_has_its_channels() {
     assert!(found.to_string().starts_with("OpenEXR image, "), "{found}");
 }
 
-#[cfg(feature = "hdr")]
 #[test]
 fn an_environment_map_has_its_size() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/blender.hdr");

@@ -1,5 +1,4 @@
 //! Images written band by band: the same bytes for any bands, and no file without `finish`.
-#![cfg(all(feature = "png", feature = "exr"))]
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,4 @@
 //! TIFF: every kind of sample there and back, files of other programs, damaged files, views in folders.
-#![cfg(feature = "tiff")]
 
 use crate::python;
 use holo_core::{DynImage, DynLightField, GridSize, LightField, SampleKind};

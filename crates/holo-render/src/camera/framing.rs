@@ -9,7 +9,6 @@ mod default_camera;
 use holo_core::{GridSize, Intrinsics, LightFieldShape, Projection, Rig, automatic_baseline_m, shown};
 
 use crate::error::Error;
-use crate::setters::setters;
 use holo_scene::{Camera, CameraProjection, Scene, Transform};
 
 pub use self::aspect::AspectChange;

@@ -7,27 +7,16 @@
 use holo_scene::MAX_RADIANCE;
 
 use super::Context;
-use super::light_sampling::{LightSample, LightSelection, Role};
+use super::light_sampling::{Contribution, LightSample, LightSelection, Role};
 use super::resampling::Reservoir;
 use super::reuse::{FoundLight, Step};
 use super::scatterer::{Response, Scatterer};
-use super::shade::Shading;
 use super::straight_shadows;
+use super::vertex::{Shading, media_towards};
 use crate::accel::Rays;
-use crate::material::media::{self, MediaStack, Medium};
+use crate::material::media::{self, Medium};
 use crate::sampling;
 use crate::simd::{LANES, Lanes, count};
-
-/// The unoccluded contribution of a light sample to sixteen pixels, with its shadow ray.
-#[derive(Clone, Copy)]
-pub(super) struct Contribution {
-    pub value: [[f32; LANES]; 3],
-    pub start: [[f32; LANES]; 3],
-    pub to_light: [[f32; LANES]; 3],
-    pub far: [f32; LANES],
-    /// 1 / the weight of the light sample against BSDF sampling.
-    pub over_weight: [f32; LANES],
-}
 
 /// Adds the direct light at a path vertex to `radiance`; returns the number of shadow rays.
 ///
@@ -124,20 +113,6 @@ fn absorb(context: &Context, here: &Shading, light: &LightSample, contribution: 
             contribution.value[c][lane] *= left[c][lane];
         }
     }
-}
-
-/// The media on the side of the surface from which rays towards the light start.
-#[inline(always)]
-pub(super) fn media_towards(here: &Shading, to_light: &[[f32; LANES]; 3]) -> [MediaStack; LANES] {
-    let mut out = [MediaStack::AIR; LANES];
-    for lane in 0..LANES {
-        let mut above = 0.0;
-        for axis in 0..3 {
-            above += here.interaction.geometric_normal[axis][lane] * to_light[axis][lane];
-        }
-        out[lane] = if above < 0.0 { here.media_behind[lane] } else { here.paths.media[lane] };
-    }
-    out
 }
 
 /// Adds the contribution to the lanes whose shadow ray is not occluded; returns the number of shadow rays.

@@ -4,7 +4,7 @@
 //! by resampling; and a direction of the environment map.
 
 use super::Context;
-use super::shade::Shading;
+use super::vertex::Shading;
 use crate::geometry::Hit;
 use crate::light::{PreparedLight, SHADOW_REACH};
 use crate::sampling::{Draw, Points, Purpose};
@@ -32,6 +32,17 @@ pub(super) struct LightSample {
     pub strength: [[f32; LANES]; 3],
     /// The light-sampling pdf per solid angle if BSDF sampling can find the light too; otherwise infinite.
     pub pdf: [f32; LANES],
+}
+
+/// The unoccluded contribution of a light sample to sixteen pixels, with its shadow ray.
+#[derive(Clone, Copy)]
+pub(super) struct Contribution {
+    pub value: [[f32; LANES]; 3],
+    pub start: [[f32; LANES]; 3],
+    pub to_light: [[f32; LANES]; 3],
+    pub far: [f32; LANES],
+    /// 1 / the weight of the light sample against BSDF sampling.
+    pub over_weight: [f32; LANES],
 }
 
 /// The selection of light samples at one path vertex.

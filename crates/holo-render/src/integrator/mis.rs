@@ -4,7 +4,7 @@
 use super::Context;
 use super::light_sampling::candidates;
 use super::paths::PathPacket;
-use super::shade::Shading;
+use super::vertex::Shading;
 use crate::accel::{NO_TRIANGLE, RayHits, Rays};
 use crate::simd::{LANES, Lanes};
 use holo_scene::MAX_RADIANCE;

@@ -29,8 +29,9 @@ use ndarray::ArrayViewMut5;
 
 use super::paths::{self, Order, PathPacket, Paths, Scattered};
 use super::reuse::{self, SharedLight, Step};
-use super::shade::{self, Shading};
+use super::shade;
 use super::unseen::Unseen;
+use super::vertex::Shading;
 use super::{Context, RayCounts, mis};
 use crate::accel::refine;
 use crate::accel::{CAMERA_RAY, Coherence, NO_TRIANGLE, RayHits};

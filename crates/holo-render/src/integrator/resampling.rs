@@ -4,7 +4,7 @@
 
 use holo_scene::MAX_RADIANCE;
 
-use super::direct_light::Contribution;
+use super::light_sampling::Contribution;
 use crate::simd::LANES;
 
 /// The largest f32 below 1.

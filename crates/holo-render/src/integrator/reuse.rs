@@ -35,7 +35,7 @@ mod light;
 
 use super::SceneData;
 use super::paths::PathPacket;
-use super::shade::Shading;
+use super::vertex::Shading;
 use crate::material::media::MediaStack;
 use crate::material::{MaterialFlags, SurfaceInteraction};
 use crate::simd::{LANES, Lanes};

@@ -7,7 +7,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::Context;
-use super::shade::Shading;
+use super::vertex::Shading;
 use crate::material::SurfaceInteraction;
 use crate::material::bsdf::layered::LayeredView;
 use crate::material::bsdf::{Bsdf, Lobes};

@@ -1,13 +1,13 @@
 //! Shading of a path vertex: absorption, emission, direct light, and the scattered rays.
 
 use super::Context;
-use super::paths::{self, Path, PathHit, PathPacket, SampleState, Scattered};
+use super::paths::{self, Path, PathHit, SampleState, Scattered};
 use super::reuse::Step;
 use super::scatterer::Scatterer;
+use super::vertex::Shading;
 use super::{direct_light, mis};
-use crate::accel::{Coherence, RayHits};
+use crate::material::MaterialFlags;
 use crate::material::media::{self, MediaStack, Medium};
-use crate::material::{Footprints, MaterialFlags, SurfaceInteraction};
 use crate::sampling::{Draw, Purpose};
 use crate::simd::{LANES, at};
 use holo_scene::MAX_RADIANCE;
@@ -21,25 +21,6 @@ const ROULETTE_SCALE: f32 = 8.0;
 
 /// The minimum survival probability.
 const ROULETTE_MIN_SURVIVAL: f32 = 0.05;
-
-/// Sixteen path vertices.
-pub(crate) struct Shading<'a> {
-    pub packet: &'a RayHits,
-    pub interaction: &'a SurfaceInteraction,
-    /// The footprints of camera rays.
-    pub footprints: Option<&'a Footprints>,
-    /// Lanes with a hit.
-    pub hit: [bool; LANES],
-    pub sequences: &'a [u32; LANES],
-    /// The number of the path vertex, from 0.
-    pub vertex: u32,
-    /// The media behind the surfaces, as seen from the incident rays; those in front are in `paths`.
-    pub media_behind: [MediaStack; LANES],
-    /// The state of the paths.
-    pub paths: &'a mut PathPacket,
-    /// The coherence of shadow rays from here.
-    pub coherence: Coherence,
-}
 
 /// What rays bring to the vertices: attenuates their throughput by the media that they have crossed, and adds emission to
 /// `contribution`. Returns whether any path goes on.

@@ -12,8 +12,8 @@
 use holo_scene::MAX_RADIANCE;
 
 use super::Context;
-use super::direct_light::{Contribution, media_towards};
-use super::shade::Shading;
+use super::light_sampling::Contribution;
+use super::vertex::{Shading, media_towards};
 use crate::accel::{Coherence, NO_TRIANGLE, RayHits};
 use crate::material::media::{self, MediaStack, Medium};
 use crate::material::{HitPoints, MaterialFlags, SurfaceInteraction};

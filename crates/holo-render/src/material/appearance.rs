@@ -4,6 +4,7 @@
 //! transmission, emission) are evaluated only for packets that contain such a material ([`MaterialFlags`]).
 
 mod emission;
+mod interaction;
 mod layers;
 mod lookup;
 mod normal_map;
@@ -16,9 +17,10 @@ use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use crate::geometry::{Geometry, Hit, InstanceData};
-use crate::material::footprint::{Footprints, TextureFootprint, TextureTriangle};
+use crate::material::flags::MaterialFlags;
+use crate::material::footprint::{Footprints, TextureTriangle};
 use crate::material::media::{Medium, MediumId};
-use crate::material::texture::{self, FootprintFilter, Pyramid};
+use crate::material::texture::{self, FootprintFilter, Pyramid, TextureFootprint};
 use holo_core::color::srgb8_to_linear_table;
 use holo_scene::{Alpha, NormalMap, Texture, TextureInfo, TextureTransform};
 
@@ -33,39 +35,6 @@ pub(crate) struct Appearance {
     srgb: &'static [f32; 256],
     /// The values of 8-bit codes of textures without color, 0 to 1.
     linear: [f32; 256],
-}
-
-/// The features of a material beyond a base color.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct MaterialFlags(u8);
-
-impl MaterialFlags {
-    /// Metal, transmission, a specular coat or layers.
-    pub const GLOSSY: Self = Self(1);
-    /// Emission.
-    pub const EMISSIVE: Self = Self(2);
-    /// The base color is shown without lighting.
-    pub const UNLIT: Self = Self(4);
-    /// A normal map.
-    pub const NORMAL_MAP: Self = Self(8);
-    /// A body of glass.
-    pub const VOLUME: Self = Self(16);
-    /// Alpha other than opaque.
-    pub const ALPHA: Self = Self(32);
-    /// Layers and lobes of [`crate::material::bsdf::layered`].
-    pub const LAYERED: Self = Self(64);
-    /// Alpha that lets a part of the rays pass.
-    pub const BLEND: Self = Self(128);
-
-    #[inline(always)]
-    pub const fn has(self, flag: Self) -> bool {
-        self.0 & flag.0 != 0
-    }
-
-    #[inline(always)]
-    pub const fn union(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
 }
 
 /// A material, prepared for evaluation.

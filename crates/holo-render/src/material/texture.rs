@@ -3,8 +3,10 @@
 //! The texel (i, j) has its center at ((i + 0.5) / width, (j + 0.5) / height). sRGB is decoded before the four texels
 //! are interpolated (as in Mitsuba; Cycles interpolates first, which is darker where they differ).
 
+mod footprint;
 mod pyramid;
 
+pub(crate) use footprint::{TextureFootprint, TextureFootprints};
 pub(crate) use pyramid::{AROUND_HITS, Filter as FootprintFilter, Filters as FootprintFilters, Pyramid};
 
 use crate::simd::LANES;

@@ -2,20 +2,19 @@
 
 use std::ops::Range;
 
-use holo_core::{BaselineRatio, Disparity, GridSize, LightField, LightFieldOwned, LightFieldShape, Rig};
+use holo_core::{BaselineRatio, Disparity, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape, Rig};
 use ndarray::{Array3, ArrayViewMut5, s};
 
 use super::checkpoint::TileKind;
-use super::image::zeros;
-use super::plan::{Plan, Region};
-use super::request::{Denoise, Request, RigRequest};
+use super::plan::{Plan, Region, needs_guides};
+use super::request::{Denoise, RigRequest};
 use super::rounds;
 use super::work::{TileOutput, Work};
 use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
 use crate::film::error_distribution::ErrorDistribution;
 use crate::film::guides;
-use crate::film::reconstruct::{HALO, Reconstruction};
+use crate::film::reconstruct::Reconstruction;
 use crate::integrator::path::{PathTile, Scratch};
 use crate::integrator::{Context, RayCounts};
 use crate::simd::{self, LANES};
@@ -25,21 +24,15 @@ pub(super) fn disparity(rig: &Rig) -> Disparity {
     if rig.baseline_ratio() == BaselineRatio::VERTICAL_ONLY { rig.disparity_y() } else { rig.disparity_x() }
 }
 
-/// Whether a render needs the guides of its pixels.
-pub(super) fn needs_guides(request: &Request) -> bool {
-    request.denoise == Denoise::Views || request.estimate_error
-}
-
-/// The lens rows on each side that are rendered for the reconstruction of others.
-pub(super) fn margin(request: &RigRequest) -> usize {
-    // In a round, the samples of a pixel depend on the error estimated before it.
-    if needs_guides(request) { HALO * rounds::rounds(request).len() } else { 0 }
-}
-
 /// The light fields of a render: color, and the guides of the reconstruction.
 pub(super) struct ColorFields {
     color: LightFieldOwned<f32>,
     guides: Option<LightFieldOwned<f32>>,
+}
+
+/// A light field of zeros in the memory layout of the elemental image array.
+pub(super) fn zeros(split: LightFieldShape, channels: usize) -> Result<LightFieldOwned<f32>, Error> {
+    Ok(LightField::filled(split, channels, Layout::ElementalGrid, 0.0)?)
 }
 
 /// Color with its estimated error.
@@ -197,7 +190,7 @@ pub(crate) fn samples(renderer: &super::Renderer, request: &super::Request) -> R
     let (integrator, _) = renderer.choose(&request)?;
     let request = request.of_rig()?;
     let plan = Plan::new(&request, integrator);
-    let stop = crate::progress::Stop::new(&());
+    let stop = crate::integrator::progress::Stop::new(&());
     let work = Work::new(&(), &stop, None, std::iter::empty(), 0);
     let mut fields = ColorFields::new(&request, &plan.color)?;
     let context = renderer.context(&request, integrator, &plan.color, &stop);

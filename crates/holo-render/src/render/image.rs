@@ -1,12 +1,12 @@
 //! The execution of a request of a rig.
 
-use holo_core::{Layout, LightField, LightFieldOwned, LightFieldShape};
+use holo_core::{LightFieldOwned, LightFieldShape};
 use ndarray::Array3;
 
 use super::Renderer;
 use super::checkpoint::{Checkpoint, TileKind};
-use super::color::{self, ColorFields, Finished};
-use super::plan::{Plan, Region};
+use super::color::{ColorFields, Finished, zeros};
+use super::plan::{Plan, Region, needs_guides};
 use super::request::{GroundTruth, Rendered, RigRequest, Views};
 use super::rounds;
 use super::work::Work;
@@ -15,8 +15,8 @@ use crate::error::Error;
 use crate::film::layers::{LayerSet, Layers};
 use crate::integrator::aov::{AovTile, TileAovs};
 use crate::integrator::depth::DepthTile;
+use crate::integrator::progress::{Progress, Stop};
 use crate::integrator::{Context, Integrator, RayCounts};
-use crate::progress::{Progress, Stop};
 use crate::simd;
 
 impl Renderer {
@@ -44,7 +44,7 @@ impl Renderer {
             (with_all, TileKind::AllLayers, &plan.all),
             (with_central, TileKind::CentralLayers, &plan.central),
         ];
-        let steps = if with_color && color::needs_guides(request) { request.row_range().len() } else { 0 };
+        let steps = if with_color && needs_guides(request) { request.row_range().len() } else { 0 };
         let wanted = kinds.into_iter().filter(|(wanted, ..)| *wanted);
         let rounds = rounds::rounds(request).len();
         let counts = wanted.map(|(_, kind, region)| {
@@ -95,11 +95,6 @@ impl Renderer {
 /// Light fields of zeros for `layers`.
 pub(super) fn light_fields(split: LightFieldShape, layers: LayerSet) -> Result<Layers<LightFieldOwned<f32>>, Error> {
     layers.iter().map(|layer| Ok((layer, zeros(split, layer.channels())?))).collect()
-}
-
-/// A light field of zeros in the memory layout of the elemental image array.
-pub(super) fn zeros(split: LightFieldShape, channels: usize) -> Result<LightFieldOwned<f32>, Error> {
-    Ok(LightField::filled(split, channels, Layout::ElementalGrid, 0.0)?)
 }
 
 /// Renders the layers of `fields`.

@@ -15,8 +15,8 @@ use crate::accel::refine;
 use crate::accel::{CAMERA_RAY, Coherence, ExactRays, NO_TRIANGLE, RayHits};
 use crate::error::Error;
 use crate::geometry::{FLATTENED, Geometry, Hit};
+use crate::integrator::progress::{Progress, Stop};
 use crate::integrator::{Integrator, SceneData};
-use crate::progress::{Progress, Stop};
 use crate::simd::{LANES, Lanes};
 
 /// The distance, m, that stands for infinity: beside it, the distances between views vanish.

@@ -2,11 +2,12 @@
 
 use holo_core::{GridSize, LightFieldShape};
 
-use super::color;
-use super::request::{RigRequest, Views};
+use super::request::{Denoise, Request, RigRequest, Views};
+use super::rounds;
 use super::transport::Transport;
 use crate::camera::tile::{SelectedViews, Selection, Tiling};
 use crate::error::Error;
+use crate::film::reconstruct::HALO;
 use crate::integrator::{Integrator, path};
 
 /// A selection of pixels of a light field, divided into tiles.
@@ -68,7 +69,7 @@ impl Plan {
         let pixels = path_tile_pixels(&request.transport, integrator);
         let color_tiling = |counts| Tiling::with_tiles_of(counts, pixels);
         Self {
-            color: Region::with_margin(request, views.clone(), color_tiling, color::margin(request)),
+            color: Region::with_margin(request, views.clone(), color_tiling, margin(request)),
             all: Region::new(request, views, Tiling::new),
             central: Region::new(request, SelectedViews::List(vec![[t as u32, s as u32]]), Tiling::new),
         }
@@ -80,6 +81,17 @@ impl Plan {
         let steps = [self.color.tiling.tile_rows(), self.all.tiling.packet_rows(), self.central.tiling.packet_rows()];
         steps.into_iter().fold(1, least_common_multiple)
     }
+}
+
+/// Whether a render needs the guides of its pixels.
+pub(super) fn needs_guides(request: &Request) -> bool {
+    request.denoise == Denoise::Views || request.estimate_error
+}
+
+/// The lens rows on each side that are rendered for the reconstruction of others.
+pub(super) fn margin(request: &RigRequest) -> usize {
+    // In a round, the samples of a pixel depend on the error estimated before it.
+    if needs_guides(request) { HALO * rounds::rounds(request).len() } else { 0 }
 }
 
 /// The pixels of a tile of color.

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use self::color::{Finished, RawColor};
 use super::Renderer;
 use super::checkpoint::{Checkpoint, TileKind};
-use super::color::needs_guides;
+use super::plan::needs_guides;
 use super::request::{Denoise, RawStatistics, Rendered, Request};
 use super::rounds;
 use super::work::Work;
@@ -30,8 +30,8 @@ use crate::film::layers::Layers;
 use crate::geometry::MAX_COORDINATE_M;
 use crate::integrator::aov::{AovTile, TileAovs};
 use crate::integrator::depth::DepthTile;
+use crate::integrator::progress::{Progress, Stop};
 use crate::integrator::{Context, Integrator, Policy, RayCounts};
-use crate::progress::{Progress, Stop};
 use crate::sampling::{self, Sampler};
 use crate::simd::{self, LANES};
 

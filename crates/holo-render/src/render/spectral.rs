@@ -11,7 +11,7 @@ use super::{Camera, RawRequest, Rendered, Renderer, Request};
 use crate::error::Error;
 use crate::film::layers::LayerSet;
 use crate::integrator::Integrator;
-use crate::progress::Progress;
+use crate::integrator::progress::Progress;
 
 /// The dominant wavelengths of the primaries of sRGB, nm.
 const WAVELENGTHS_NM: [f64; 3] = [611.4, 549.1, 464.3];

@@ -5,8 +5,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use holo_core::{GridSize, LightFieldShape, Rig, ViewIndex};
 use ndarray::Array5;
 
-use super::image::{light_fields, tiles, zeros};
-use super::request::MAX_EXACT_ID;
+use super::check::MAX_EXACT_ID;
+use super::color::zeros;
+use super::image::{light_fields, tiles};
 use super::*;
 use crate::camera::tile::{Selection, Tiling};
 use crate::film::layers::Layer;

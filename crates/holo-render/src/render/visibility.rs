@@ -12,7 +12,7 @@ use super::request::Request;
 use crate::accel::{Coherence, Engine, RayHits};
 use crate::error::Error;
 use crate::integrator::Integrator;
-use crate::progress::{Progress, Stop};
+use crate::integrator::progress::{Progress, Stop};
 use crate::simd::{self, Kernel, LANES, Lanes};
 
 /// The side of the block of views whose rays to a point are traced together.

@@ -11,7 +11,7 @@ use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
 use crate::integrator::RayCounts;
 use crate::integrator::aov::AovTile;
-use crate::progress::{Progress, Stop};
+use crate::integrator::progress::{Progress, Stop};
 
 /// Parallel execution of tiles, with progress reports, cancellation and checkpoints.
 pub(super) struct Work<'a> {

@@ -11,8 +11,8 @@ use ::gltf::json::accessor::{ComponentType, Type};
 use ::gltf::json::validation::{Checked, USize64};
 
 use super::buffer_views::BufferViews;
+use super::handle::Handle;
 use super::json::{Object, bad};
-use super::values::Values;
 use crate::Error;
 
 /// The use of an accessor, which determines the allowed types.
@@ -36,16 +36,6 @@ pub(super) enum Use {
     Times,
     /// Values of an animation, of this shape.
     Animated(Type),
-}
-
-/// A validated accessor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Handle {
-    /// Its index in the file, for messages.
-    pub(super) number: usize,
-    pub(super) count: usize,
-    /// Its index in the document for the `gltf` crate.
-    pub(super) checked: usize,
 }
 
 /// Validates accessors one by one.
@@ -145,9 +135,10 @@ impl<'f> Checker<'f> {
         Ok(handle)
     }
 
-    pub(super) fn finish(self) -> Values<'f> {
+    /// The accessors that were validated, for the `gltf` crate.
+    pub(super) fn finish(self) -> (::gltf::Document, &'f BufferViews<'f>) {
         // Nothing is left to validate, and the validation of the crate requires optional fields (min, max).
-        Values::new(::gltf::Document::from_json_without_validation(self.root), self.buffer_views)
+        (::gltf::Document::from_json_without_validation(self.root), self.buffer_views)
     }
 
     /// Copies a buffer view to the document for the `gltf` crate, once.

@@ -15,12 +15,12 @@ use serde_json::{Map, Value};
 
 use self::interpolation::{Interpolation, Keys};
 use super::Limits;
-use super::accessors::{Checker, Handle, Use};
+use super::accessors::{Checker, Use};
 use super::buffer_views::BufferViews;
 use super::extensions::ANIMATION_POINTER;
+use super::handle::Handle;
 use super::json::{Object, bad};
 use super::options::LoadOptions;
-use super::summary::AnimationSummary;
 use super::uri::shorten;
 use super::values::Values;
 use super::warnings::Warnings;
@@ -74,7 +74,7 @@ pub(super) fn at(
     }
     let mut accessors = Checker::new(root, buffer_views)?;
     let channels = channels(&played, root, &mut accessors, &options.limits, warnings)?;
-    let values = accessors.finish();
+    let values = Values::of(accessors);
     let mut posed = file.clone();
     for channel in &channels {
         let value = channel.value(&values, time_s)?;
@@ -86,6 +86,16 @@ pub(super) fn at(
         }
     }
     Ok(Some(posed))
+}
+
+/// An animation of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct AnimationSummary {
+    /// Its name; may be empty.
+    pub name: String,
+    /// The time of its last key, s, as its accessors state it.
+    pub seconds: f64,
 }
 
 /// Names and lengths of the animations of a file. What is wrong in them is found when they are played.

@@ -1,6 +1,7 @@
 //! Vertices of a primitive in the pose of a node: morph targets, then the skin.
 
-use super::accessors::{Checker, Handle, Use};
+use super::accessors::{Checker, Use};
+use super::handle::Handle;
 use super::json::{Object, bad};
 use super::poses::Weights;
 use super::skins::Skin;

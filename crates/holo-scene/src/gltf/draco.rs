@@ -6,7 +6,8 @@
 use std::collections::BTreeMap;
 
 use self::decoder::Geometry;
-use super::accessors::{Checker, Handle};
+use super::accessors::Checker;
+use super::handle::Handle;
 use super::json::{Object, bad};
 use crate::Error;
 

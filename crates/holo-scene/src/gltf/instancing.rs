@@ -4,8 +4,9 @@
 //! attributes, such as colors of instances, are ignored.
 
 use super::Limits;
-use super::accessors::{Checker, Handle, Use};
+use super::accessors::{Checker, Use};
 use super::extensions::INSTANCING;
+use super::handle::Handle;
 use super::json::{Object, bad};
 use super::nodes::Nodes;
 use super::values::Values;

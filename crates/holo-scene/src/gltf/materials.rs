@@ -1,6 +1,7 @@
 //! The materials of the file, with the textures and texture coordinate sets that they need.
 
 mod layers;
+mod numbers;
 mod specular_glossiness;
 mod surface;
 

@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 
 use super::Limits;
-use super::accessors::{Checker, Handle, Use};
+use super::accessors::{Checker, Use};
 use super::deform::{self, Deformation, Vertices};
 use super::draco::{Stream, Triangles};
 use super::extensions::DRACO;
+use super::handle::Handle;
 use super::json::{Object, bad};
 use super::materials::{CoordinateSets, Materials};
 use super::panic_guard;
@@ -17,7 +18,7 @@ use super::variants;
 use super::warnings::Warnings;
 use crate::Error;
 use crate::Mesh;
-use crate::tangents;
+use crate::scene::tangents;
 
 /// Normals with a squared length this close to 1 are kept unchanged; others are normalized.
 const UNIT_TOLERANCE: f64 = 1e-3;

@@ -3,7 +3,8 @@
 //! A vertex moves with its joints: by the sum, weighted, of joint node to world times inverse bind matrix. The transform
 //! of the node that shows the mesh has no effect. Source: the glTF 2.0 specification, section 3.7.3.
 
-use super::accessors::{Checker, Handle, Use};
+use super::accessors::{Checker, Use};
+use super::handle::Handle;
 use super::json::{Object, bad};
 use super::nodes::{Nodes, from_matrix};
 use super::poses::Poses;

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::advice::is_thin_glass;
-use super::animation;
+use super::animation::{self, AnimationSummary};
 use super::extensions::Extensions;
 use super::json::Object;
 use super::options::LightUnits;
@@ -47,16 +47,6 @@ pub struct Summary {
     pub cameras: Vec<String>,
     /// The animations, in the order of their indices.
     pub animations: Vec<AnimationSummary>,
-}
-
-/// An animation of a file.
-#[derive(Clone, Debug, Default, PartialEq)]
-#[non_exhaustive]
-pub struct AnimationSummary {
-    /// Its name; may be empty.
-    pub name: String,
-    /// The time of its last key, s, as its accessors state it.
-    pub seconds: f64,
 }
 
 impl Summary {

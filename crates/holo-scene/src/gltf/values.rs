@@ -4,13 +4,14 @@ use ::gltf::accessor::Item;
 use ::gltf::json::accessor::{ComponentType, Type};
 use ::gltf::mesh::util::{ReadColors, ReadIndices};
 
-use super::accessors::Handle;
+use super::accessors::Checker;
 use super::buffer_views::BufferViews;
 use super::draco::Decoded;
+use super::handle::Handle;
 use super::json::bad;
 use crate::Error;
 
-/// Reads accessors that [`super::accessors::Checker`] has validated.
+/// Reads accessors that a [`Checker`] has validated.
 pub(super) struct Values<'f> {
     document: ::gltf::Document,
     buffer_views: &'f BufferViews<'f>,
@@ -51,8 +52,9 @@ impl Scale {
 }
 
 impl<'f> Values<'f> {
-    /// `document` contains only validated accessors.
-    pub(super) fn new(document: ::gltf::Document, buffer_views: &'f BufferViews<'f>) -> Self {
+    /// Those that were validated.
+    pub(super) fn of(accessors: Checker<'f>) -> Self {
+        let (document, buffer_views) = accessors.finish();
         Self { document, buffer_views }
     }
 

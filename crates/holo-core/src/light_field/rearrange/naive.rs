@@ -4,7 +4,7 @@
 
 use ndarray::{Array3, ArrayView3};
 
-use crate::memory::collected;
+use crate::base::memory::collected;
 use crate::{Error, LightFieldShape};
 
 /// Rearranges an elemental grid into a viewpoint grid, sample by sample: `VPI(t*V + v, s*U + u) = EI(v*T + t, u*S +

@@ -5,9 +5,9 @@ use ndarray::{Array2, ArrayView2};
 use super::super::PlenopticCamera;
 use super::lenses::Lenses;
 use super::samples::{Brightness, Point, RawLight};
+use crate::base::memory::filled;
+use crate::base::parallel::*;
 use crate::estimate::{WORST, aggregate};
-use crate::memory::filled;
-use crate::parallel::*;
 use crate::synthesize::fill;
 use crate::{Error, GridSize, Rig, RigRay};
 

@@ -1,7 +1,7 @@
 //! The microlenses around the rays of views.
 
 use super::super::{MicrolensIndex, PlenopticCamera};
-use crate::memory::filled;
+use crate::base::memory::filled;
 use crate::{Error, GridSize};
 
 /// Microlenses farther from a ray have next to no weight in its color, pitches.

@@ -4,8 +4,8 @@ use ndarray::{ArrayView2, ArrayView3};
 
 use super::super::decode::{LEAST_LIGHT, bilinear};
 use super::lenses::{FARTHEST, Lens, Lenses, REACH};
-use crate::memory::filled;
-use crate::parallel::*;
+use crate::base::memory::filled;
+use crate::base::parallel::*;
 use crate::{Error, GridSize, RigRay};
 
 /// The standard deviation of the weights of microlenses around a ray, pitches: the nearest one counts most, and weights change smoothly

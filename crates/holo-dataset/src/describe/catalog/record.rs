@@ -6,7 +6,7 @@ use holo_io::{Manifest, ManifestValue};
 use serde_json::Value;
 
 use crate::output::{ColorStatistics, EstimatedError, Statistics};
-use crate::text;
+use crate::settings::text;
 
 /// A light field or a raw image: a finished folder of a dataset.
 pub(crate) struct Record {

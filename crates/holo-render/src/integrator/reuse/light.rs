@@ -6,7 +6,7 @@ use crate::integrator::Context;
 use crate::integrator::light_sampling::{LightSample, candidates};
 use crate::integrator::mis::balance;
 use crate::integrator::scatterer::Response;
-use crate::integrator::shade::Shading;
+use crate::integrator::vertex::Shading;
 use crate::light::SHADOW_REACH;
 use crate::simd::{LANES, Lanes, at, count};
 use holo_scene::MAX_RADIANCE;

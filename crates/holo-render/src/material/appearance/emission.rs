@@ -1,7 +1,8 @@
 //! Emission of surfaces.
 
-use super::{Appearance, MaterialFlags, SurfacePoint, TextureLookup};
+use super::{Appearance, SurfacePoint, TextureLookup};
 use crate::geometry::{Geometry, Hit};
+use crate::material::MaterialFlags;
 use crate::material::footprint::Footprints;
 use crate::simd::LANES;
 

@@ -4,9 +4,10 @@
 //! is then read once, and its texture is sampled by all lanes together. Otherwise (foliage, the last hits of one instance
 //! beside the first of the next) the lanes are evaluated one by one. Both ways give bitwise identical results.
 
-use super::{Appearance, MaterialFlags, SurfacePoint, TextureLookup, texture_triangle};
+use super::{Appearance, SurfacePoint, TextureLookup, texture_triangle};
 use crate::accel::RayHits;
 use crate::geometry::{Geometry, Hit, InstanceData};
+use crate::material::MaterialFlags;
 use crate::material::SurfaceInteraction;
 use crate::material::footprint::{Footprints, TextureTriangles};
 use crate::material::texture::{self, FootprintFilters, Pyramid};

@@ -1,8 +1,9 @@
 //! The BSDF parameters of metals, glossy coats and glass, for [`crate::material::bsdf`].
 
-use super::{Appearance, MaterialFlags, SurfacePoint, TextureLookup};
+use super::{Appearance, SurfacePoint, TextureLookup};
 use crate::accel::RayHits;
 use crate::geometry::Geometry;
+use crate::material::MaterialFlags;
 use crate::material::SurfaceInteraction;
 use crate::material::bsdf::{Bsdf, fresnel};
 use crate::material::media::{MediaStack, Medium, MediumId};

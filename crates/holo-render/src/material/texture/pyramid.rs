@@ -7,8 +7,8 @@
 //! gets neither sharper nor blurred to second order. Around a hit anywhere in the footprint it is [`AROUND_HITS`] times
 //! that: the places of hits alone have the covariance of the footprint, so the image is blurred, less with more samples.
 
+use super::footprint::{TextureFootprint, TextureFootprints};
 use super::{bilinear, neighbors, sample, taps_of_sixteen};
-use crate::material::footprint::{TextureFootprint, TextureFootprints};
 use crate::simd::LANES;
 use holo_scene::{Texture, Wrap};
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::super::Renderer;
 use super::super::checkpoint::TileKind;
-use super::super::color::needs_guides;
+use super::super::plan::needs_guides;
 use super::super::plan::path_tile_pixels;
 use super::super::request::{Denoise, Request};
 use super::super::rounds;

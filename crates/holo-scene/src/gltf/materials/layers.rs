@@ -3,7 +3,7 @@
 
 use super::super::extensions::{ANISOTROPY, CLEARCOAT, DIFFUSE_TRANSMISSION, DISPERSION, IRIDESCENCE, SHEEN};
 use super::super::json::{Object, bad};
-use super::surface::{MAX_IOR, Shares, normal_map, texture_use};
+use super::numbers::{MAX_IOR, Shares, normal_map, texture_use};
 use crate::Error;
 use crate::{Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Material, Sheen};
 

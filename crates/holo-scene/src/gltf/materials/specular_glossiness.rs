@@ -10,7 +10,7 @@
 use super::super::json::Object;
 use super::super::textures::Derived;
 use super::super::warnings::Warnings;
-use super::surface::{Shares, texture_use};
+use super::numbers::{Shares, texture_use};
 use crate::{Error, Material};
 
 /// 1 / 0.04, the inverse of the reflectance of the index 1.5.

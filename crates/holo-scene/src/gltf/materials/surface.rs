@@ -5,15 +5,13 @@
 //! _transmission, _unlit, _volume; KHR_texture_transform. A number out of range is an error, except for values that
 //! exporters are known to write: see [`Shares`], [`emission`], [`index_of_refraction`] and [`volume`].
 
-use super::super::extensions::{EMISSIVE_STRENGTH, IOR, SPECULAR, TEXTURE_TRANSFORM, TRANSMISSION, UNLIT, VOLUME};
+use super::super::extensions::{EMISSIVE_STRENGTH, IOR, SPECULAR, TRANSMISSION, UNLIT, VOLUME};
 use super::super::json::{Object, bad};
 use super::super::warnings::Warnings;
+use super::numbers::{MAX_IOR, Shares, normal_map, texture_use};
 use crate::Error;
 use crate::MAX_RADIANCE;
-use crate::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
-
-/// The maximum index of refraction: a reflectance of 99.6 % at normal incidence.
-pub(super) const MAX_IOR: f32 = 1000.0;
+use crate::{Alpha, Material, Volume};
 
 /// The default material of the specification: rough white metal that does not emit on the back.
 pub(super) fn standard(name: &str) -> Material {
@@ -71,35 +69,6 @@ pub(super) fn read(
     shares.note(&place, warnings);
     read.unlit = material.extension(UNLIT)?.is_some();
     Ok(read)
-}
-
-/// Reads numbers from 0 to 1. Exporters write numbers beyond, such as 1.0000001, which are clamped as in other loaders.
-#[derive(Default)]
-pub(super) struct Shares {
-    clamped: bool,
-}
-
-impl Shares {
-    pub(super) fn one(&mut self, object: &Object<'_>, key: &str) -> Result<Option<f32>, Error> {
-        Ok(object.number(key)?.map(|x| self.clamp(x)))
-    }
-
-    pub(super) fn all<const N: usize>(&mut self, object: &Object<'_>, key: &str) -> Result<Option<[f32; N]>, Error> {
-        Ok(object.numbers::<N>(key)?.map(|numbers| numbers.map(|x| self.clamp(x))))
-    }
-
-    fn clamp(&mut self, x: f64) -> f32 {
-        let clamped = x.clamp(0.0, 1.0);
-        // An error of single precision deserves no warning.
-        self.clamped |= (clamped - x).abs() > f64::from(f32::EPSILON);
-        clamped as f32
-    }
-
-    pub(super) fn note(&self, place: impl Fn() -> String, warnings: &mut Warnings) {
-        if self.clamped {
-            warnings.note("factors outside of the range 0 to 1 are clamped", place);
-        }
-    }
 }
 
 /// Sets a field if the file has a value for it.
@@ -176,32 +145,4 @@ fn volume(
         warnings.note("thickness textures are ignored: rays find the thickness of a body themselves", place);
     }
     Ok(Some(Volume { attenuation_distance_m: distance, attenuation_color }))
-}
-
-/// A normal map with its scale.
-pub(super) fn normal_map(object: &Object<'_>, key: &str, texture_count: usize) -> Result<Option<NormalMap>, Error> {
-    let Some(texture) = texture_use(object, key, texture_count)? else { return Ok(None) };
-    let map = object.object(key)?;
-    let scale = map.map(|map| map.within("scale", f32::MIN..=f32::MAX)).transpose()?.flatten();
-    Ok(Some(NormalMap { texture, scale: scale.unwrap_or(1.0) }))
-}
-
-/// A texture reference of a material.
-pub(super) fn texture_use(object: &Object<'_>, key: &str, texture_count: usize) -> Result<Option<TextureInfo>, Error> {
-    let Some(info) = object.object(key)? else { return Ok(None) };
-    let texture = info.index("index", "textures", texture_count)?.ok_or_else(|| info.missing("index"))?;
-    let mut set = info.unsigned("texCoord")?;
-    let mut transform = TextureTransform::IDENTITY;
-    if let Some(extension) = info.extension(TEXTURE_TRANSFORM)? {
-        let finite = f32::MIN..=f32::MAX;
-        transform = TextureTransform {
-            offset: extension.all_within("offset", finite.clone())?.unwrap_or(transform.offset),
-            rotation_rad: extension.within("rotation", finite.clone())?.unwrap_or(transform.rotation_rad),
-            scale: extension.all_within("scale", finite)?.unwrap_or(transform.scale),
-        };
-        // The extension may override the texture coordinate set.
-        set = extension.unsigned("texCoord")?.or(set);
-    }
-    let set = usize::try_from(set.unwrap_or(0)).unwrap_or(usize::MAX);
-    Ok(Some(TextureInfo { texture, set, transform }))
 }

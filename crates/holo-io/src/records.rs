@@ -1,0 +1,4 @@
+//! What a folder says of itself: manifests and the record of a dataset.
+
+pub mod dataset;
+pub(crate) mod manifest;
