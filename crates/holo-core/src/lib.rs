@@ -86,12 +86,10 @@ struct Readme;
 
 mod base;
 mod camera;
-pub use base::color;
 pub mod display;
 mod estimate;
 mod light_field;
 pub mod metrics;
-pub use camera::optics;
 pub mod plenoptic;
 pub mod refocus;
 pub mod sensor;
@@ -100,6 +98,7 @@ mod synthesize;
 /// The crate `ndarray` in the version of the public signatures.
 pub use ndarray;
 
+pub use base::color;
 pub use base::color::ColorEncoding;
 pub use base::error::Error;
 pub use base::grid::{GridSize, LensIndex, ParseGridSizeError, ViewIndex};
@@ -107,6 +106,7 @@ pub use base::millimeters::{meters_to_millimeters, millimeters_to_meters};
 pub use base::real::Real;
 pub use base::shown::{shown, shown_lines, shown_output, visible};
 pub use camera::disparity::{Disparity, Projection, StereoPair};
+pub use camera::optics;
 pub use camera::{
     BaselineRatio, CameraDeviation, CameraJitter, Correspondence, Intrinsics, Pinhole, Rig, RigBuilder, RigRay,
     automatic_baseline_m, rotation_near, rotation_of,
@@ -114,7 +114,7 @@ pub use camera::{
 pub use estimate::{
     DisparityEstimate, Effort, OffsetView, PlaneSweepOptions, evenly_chosen_views, plane_sweep, plane_sweep_of_views,
 };
-pub use light_field::layout::{Block, LightFieldShape, OneBasedBlock, Remainder, Sensor, SensorDivision};
+pub use light_field::layout::{LightFieldShape, Remainder, Sensor, SensorDivision};
 pub use light_field::rearrange;
 pub use light_field::{
     DynImage, DynImageRef, DynLightField, DynLightFieldRef, Layout, LightField, LightFieldCow, LightFieldOwned,

@@ -20,10 +20,11 @@ fn programs_have_at_most_twelve_lines_of_code() {
 
 #[test]
 fn readmes_show_the_programs_as_they_are() {
-    for readme in ["README.md", "../../README.md"] {
+    // That of the project has the first.
+    for (readme, count) in [("README.md", PROGRAMS.len()), ("../../README.md", 1)] {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(readme);
         let shown = std::fs::read_to_string(&path).expect("a readme");
-        for (name, text) in PROGRAMS {
+        for (name, text) in &PROGRAMS[..count] {
             let (_, program) = text.split_once("\n\n").expect("a comment and a program");
             assert!(shown.contains(&format!("\n{program}```\n")), "{} does not show {name}", path.display());
         }

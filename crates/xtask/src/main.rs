@@ -11,10 +11,11 @@
 //! clippy   clippy, warnings denied
 //! fuzz     build every fuzz target and run each for some seconds, or over its corpus
 //! sanitize the renderer's tests under AddressSanitizer and ThreadSanitizer, parts under Miri (nightly)
-//! modules  the top-level modules of every library and what they import of each other; cycles are errors
+//! modules  the rooms of every crate and what they import of each other; circles between files are errors
 //! python   build the Python package and run its tests
 //! blender  the Blender extension in target/blender/; --bundle: with the program; --test: run its tests
 //! package  build each library from its package alone
+//! release --dry-run  everything that publishing needs, but nothing is published
 //! bench    setup + the benchmarks
 //! wild DIR setup + render every glTF file below DIR, compare with Cycles, write a table into target/wild/
 //! consumers DIR setup + build + run the loading code of the repositories below DIR over what `holo export` writes
@@ -27,6 +28,7 @@ mod demo;
 mod fuzz;
 mod modules;
 mod outside;
+mod rehearsal;
 mod release;
 mod sanitize;
 mod setup;
@@ -38,7 +40,7 @@ use std::process::ExitCode;
 use setup::pip::Availability;
 
 const USAGE: &str = "usage: cargo xtask setup | build | demo | test | dist [--check] | clippy | doc | embree | \
-    fuzz [SECONDS [TARGET..] | corpora] | package | python [PYTEST ARGUMENTS] | blender [--bundle] [--test] | modules | bench | speed OLD [NEW] .. | report [--quick] [--peers] [--only TEXT].. [--out DIR] | \
+    fuzz [SECONDS [TARGET..] | corpora] | package | release --dry-run | python [PYTEST ARGUMENTS] | blender [--bundle] [--test] | modules | bench | speed OLD [NEW] .. | report [--quick] [--peers] [--only TEXT].. [--out DIR] | \
     sanitize [address] [thread] [miri] | wild DIR [--list FILE] | consumers DIR [--only TEXT]..";
 
 fn main() -> ExitCode {
@@ -73,6 +75,7 @@ fn run(arguments: &[String]) -> Result {
         },
         "fuzz" => fuzz::run(rest),
         "package" => release::package::run(),
+        "release" => rehearsal::run(rest),
         "blender" => outside::blender::run(rest),
         "python" => {
             setup()?;

@@ -29,19 +29,6 @@ impl<S: RawData> LightField<S> {
         Ok(Self::trusted(samples.slice_axis_move(Axis(3), Slice::from(columns))))
     }
 
-    /// Keeps every `rows`-th view row and every `columns`-th view column from the first on, without copying. The
-    /// baselines of the result are longer by these factors.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::ZeroCount`] if a step is 0.
-    pub fn into_stride_views(self, rows: usize, columns: usize) -> Result<Self, Error> {
-        let (_, _, t, s, _) = self.samples.dim();
-        let (rows, columns) = (every("view rows of a step", rows, t)?, every("view columns of a step", columns, s)?);
-        let samples = self.samples.slice_axis_move(Axis(2), rows);
-        Ok(Self::trusted(samples.slice_axis_move(Axis(3), columns)))
-    }
-
     /// Keeps a rectangle of microlenses, which is a part of every view, without copying.
     ///
     /// # Shape
@@ -90,16 +77,6 @@ impl<S: Data> LightField<S> {
         columns: impl RangeBounds<usize>,
     ) -> Result<LightFieldRef<'_, S::Elem>, Error> {
         self.as_light_field_ref().into_clip_views(rows, columns)
-    }
-
-    /// Returns every `rows`-th view row and every `columns`-th view column from the first on as a borrowed light field;
-    /// see [`LightField::into_stride_views`].
-    ///
-    /// # Errors
-    ///
-    /// [`Error::ZeroCount`] if a step is 0.
-    pub fn stride_views(&self, rows: usize, columns: usize) -> Result<LightFieldRef<'_, S::Elem>, Error> {
-        self.as_light_field_ref().into_stride_views(rows, columns)
     }
 
     /// Returns a rectangle of microlenses, which is a part of every view, as a borrowed light field.
@@ -212,20 +189,10 @@ fn within(what: &'static str, bounds: &impl RangeBounds<usize>, count: usize) ->
     Ok(start..end)
 }
 
-/// Every `step`-th index of a slice, from the first on.
-fn every(what: &'static str, step: usize, count: usize) -> Result<Slice, Error> {
-    match isize::try_from(step) {
-        Ok(0) => Err(Error::ZeroCount { what }),
-        Ok(step) => Ok(Slice { start: 0, end: None, step }),
-        // A step beyond every count: only the first index.
-        Err(_) => Ok(Slice::from(0..1.min(count))),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GridSize, LightFieldOwned, LightFieldShape};
+    use crate::LightFieldOwned;
     use ndarray::Array5;
 
     fn field() -> LightFieldOwned<usize> {
@@ -241,17 +208,5 @@ mod tests {
         assert_eq!(field.clip_lenses(1.., ..=0).unwrap(), field.clip_lenses(1..3, 0..1).unwrap());
         assert!(matches!(field.clip_views(0..=usize::MAX, ..), Err(Error::BadRange { .. })));
         assert!(matches!(field.clip_views(5.., ..), Err(Error::BadRange { .. })));
-    }
-
-    #[test]
-    fn strides_keep_every_nth_view() {
-        let field = field();
-        let some = field.stride_views(2, 3).unwrap();
-        assert_eq!(some.shape(), LightFieldShape::new(GridSize::new(3, 3), GridSize::new(3, 4)).unwrap());
-        for (t, s) in [(0, 0), (1, 2), (2, 1)] {
-            assert_eq!(some.view(t, s).unwrap(), field.view(2 * t, 3 * s).unwrap());
-        }
-        assert_eq!(field.stride_views(usize::MAX, 100).unwrap().shape().views(), GridSize::new(1, 1));
-        assert!(matches!(field.stride_views(0, 1), Err(Error::ZeroCount { .. })));
     }
 }

@@ -217,7 +217,7 @@ impl Displacement {
     }
 
     /// The scales along x and y, and the rotation, counterclockwise in the image.
-    pub fn scales_and_rotation(&self) -> ([f64; 2], f64) {
+    pub(super) fn scales_and_rotation(&self) -> ([f64; 2], f64) {
         ([1.0 + self.x[1], 1.0 + self.y[2]], (self.x[2] - self.y[1]) / 2.0)
     }
 

@@ -53,20 +53,24 @@ pub(crate) fn write_grid(folder: &mut OutputFolder, color: &LightFieldOwned<f32>
     Ok(())
 }
 
-/// The channel names of a layer in an EXR: those of Blender where it has the layer.
-fn exr_name(layer: Layer) -> (&'static str, &'static [&'static str]) {
-    match layer {
+/// The name of a layer in an EXR and its components: those of Blender where it has the layer.
+fn exr_name(layer: Layer) -> (String, &'static [&'static str]) {
+    let (name, components): (_, &[_]) = match layer {
         Layer::Depth => ("Depth", &["Z"]),
         Layer::RayLength => ("RayLength", &["Z"]),
-        Layer::Disparity => ("Disparity", &["X"]),
-        Layer::GeometricNormal => ("GeometricNormal", &["X", "Y", "Z"]),
         Layer::ShadingNormal => ("Normal", &["X", "Y", "Z"]),
         Layer::Albedo => ("DiffCol", &["R", "G", "B"]),
         Layer::ObjectId => ("IndexOB", &["X"]),
         Layer::MaterialId => ("IndexMA", &["X"]),
-        Layer::HitMask => ("HitMask", &["X"]),
-        Layer::Reflective => ("Reflective", &["X"]),
-    }
+        _ => return (camel_case(layer.name()), if layer.channels() == 3 { &["X", "Y", "Z"] } else { &["X"] }),
+    };
+    (name.to_owned(), components)
+}
+
+/// `HitMask` of `hit-mask`.
+fn camel_case(name: &str) -> String {
+    let word = |word: &str| word[..1].to_ascii_uppercase() + &word[1..];
+    name.split('-').map(word).collect()
 }
 
 /// The planes of `scene_central.exr` with their names.
@@ -78,7 +82,7 @@ fn channels<'a>(
     let plain = color.into_iter().flat_map(|image| {
         PLAIN.iter().enumerate().map(move |(c, name)| ((*name).to_owned(), image.index_axis_move(Axis(2), c)))
     });
-    let color = color.map(|image| (("Combined", &PLAIN[..]), image));
+    let color = color.map(|image| (("Combined".to_owned(), &PLAIN[..]), image));
     let planes = color.into_iter().chain(layers).flat_map(|((pass, components), image)| {
         let plane = move |(c, component): (usize, &&str)| {
             (format!("ViewLayer.{pass}.{component}"), image.index_axis_move(Axis(2), c))

@@ -61,11 +61,11 @@ settings! {
         one_of pixels: Pixels = Pixels::Sensor(Sensor::Paper8k) => {
             /// Sensor resolution in pixels: hd, 4k, 8k (7952x5304), uhd8k or WIDTHxHEIGHT.
             sensor: Sensor(Sensor), "sensor" "NAME|WxH";
-            /// Lenses, columns x rows: the microlenses, which are the pixels of one view; instead of a sensor.
+            /// Microlenses, columns x rows: the pixels of one view. Replaces `sensor`.
             lenses: Lenses(GridSize), "lenses" "UxV";
         }
-        /// Lens array shifting: N x N exposures with the microlens array 1/N of its pitch apart, interleaved. N times as
-        /// many lenses along both axes, each as wide as without.
+        /// Lens array shifting: N x N exposures, the microlens array moved by 1/N of its pitch, interleaved to N times as many
+        /// lenses along both axes.
         lens_shifts: Option<u32>, "lens-shifts" "N" by lens_shifts;
         /// What determines the distance between adjacent views.
         one_of spacing: Spacing = Spacing::FNumber(5.0) => {
@@ -84,8 +84,8 @@ settings! {
         sensor_mm: f64 = 36.0, "sensor-mm" "S" by positive;
         /// Projection of the views.
         projection: Projection = Projection::Perspective, "projection" "";
-        /// Only some of the views: the row and column of the central one (cross), with both diagonals (star), or a list of
-        /// COLUMN,ROW. Writes them as hci/input_CamNNN.png, with their numbers in the whole grid, and without path reuse.
+        /// Render only some of the views: the row and column of the central one (cross), with both diagonals (star), or a list of
+        /// COLUMN,ROW. Writes them as hci/input_CamNNN.png, numbered as in the whole grid.
         subset: Option<ViewSubset>, "subset" "cross|star|C,R;C,R..";
     }
 }
@@ -95,51 +95,43 @@ settings! {
 
     /// The light that is simulated, its samples, and what is left of their noise.
     pub struct LightSettings of light, light_mut {
-        /// Light transport: what light is simulated.
+        /// Light transport.
         integrator: Integrator = Integrator::Auto, "integrator" "";
-        /// Samples per pixel [default: 16, with the integrator depth 1]. With `denoise views` also less than one: 1/2, 1/4 .. 1/64
-        /// of the pixels have one, and all share them.
+        /// Samples per pixel [default: 16, with the integrator depth 1]. With `denoise views` also 1/2, 1/4 .. 1/64: so many of
+        /// the pixels have a sample, and all share them.
         samples: Option<SamplesPerPixel>, "spp" "N|1/N";
-        /// Adaptive sampling: stop at this relative standard error of a pixel, such as 0.02 or 2%; `spp` is then the maximum
-        /// [default: 1024]. With `denoise views` it is the error that is left after samples are shared: one pixel of 16 has a
-        /// sample at first, and more have where that leaves more [default maximum: 16].
+        /// Adaptive sampling: stop at this relative standard error of a pixel, such as 0.02 or 2%. `spp` is then the maximum
+        /// [default: 1024; with `denoise views` 16, and the error is that after samples are shared].
         target_error: Option<f64>, "target-error" "E" by share;
         /// Maximum number of bounces of a light path.
         max_bounces: u32 = 8, "max-bounces" "N" by bounces;
         /// Disable Russian roulette: follow every path to its last bounce.
         off roulette, "no-roulette";
-        /// Without light that diffuse surfaces reflect to each other (with `integrator auto`); mirrors and glass still
-        /// reflect.
+        /// Omit light that diffuse surfaces reflect to each other (with `integrator auto`).
         off indirect, "no-indirect";
-        /// Limit what a light path may add after its first hit, against single bright pixels: darkens caustics and reflected
-        /// lamps [default: no limit].
+        /// Limit what a light path may add after its first hit: fewer bright specks, darker caustics [default: no limit].
         indirect_limit: Option<f64>, "indirect-limit" "L" by positive;
-        /// Let shadow rays pass straight through smooth glass: light behind windows without noise; caustics of solid glass
-        /// become plain shadows.
+        /// Let shadow rays pass straight through smooth glass: no noise behind windows, but no caustics of solid glass.
         transparent_shadows: bool = false, "transparent-shadows" "";
-        /// Without light that is scattered more than once in the roughness of a surface: rough metal gets darker, as in
-        /// renderers without this model.
+        /// Omit light that is scattered more than once in the roughness of a surface: rough metal gets darker.
         off multiple_scattering, "no-multiple-scattering";
-        /// Share the light that rays find on diffuse surfaces: with `reuse views` between groups of 16 neighboring views, whose
-        /// noise is then lower and stands still: not for scoring or training stereo.
+        /// Share the light that rays find on diffuse surfaces between groups of 16 neighboring views. Their noise is lower, but the
+        /// same: do not score or train stereo with it.
         reuse: Reuse = Reuse::Off, "reuse" "";
-        /// Average fine textures over the part of a pixel that a sample stands for: a small bias that more samples remove.
-        /// Without effect with `denoise views`.
+        /// Average fine textures over the part of a pixel that a sample stands for: a small bias that more samples remove. No
+        /// effect with `denoise views`.
         texture_filter: TextureFilter = TextureFilter::Footprint, "texture-filter" "";
-        /// Let the glass of a plenoptic camera's main lens refract red, green and blue light differently, at three times the
-        /// cost; for camera files with a prescription.
+        /// Let the main lens of glass of a plenoptic camera refract red, green and blue light differently, at three times the cost.
         spectral: bool = false, "spectral" "";
-        /// Reduce the noise of color: with `denoise views` by the samples of neighboring views, or by those pixels of a plenoptic
-        /// camera that see the same point; a small bias that more samples remove. What is left of the noise moves with the true
-        /// disparity: not for scoring or training stereo.
+        /// Reduce the noise of color by the samples of pixels that see the same point: a small bias that more samples remove. The
+        /// noise that is left moves with the true disparity: do not score or train stereo with it.
         denoise: Denoise = Denoise::Off, "denoise" "";
-        /// Hide surfaces that are not double-sided from behind, as game engines do; shadows and mirrors still show them.
+        /// Hide the backs of surfaces that are not double-sided, as game engines do.
         cull: bool = false, "cull" "";
         /// Environment light: linear radiance of a constant sky (one number is gray), an equirectangular map (.hdr, .exr;
         /// .png, .jpg as sRGB), or `auto`: black, and a soft sky for scenes without light.
         sky: Sky = Sky::Automatic, "sky" "auto|R,G,B|FILE";
-        /// Color behind the scene instead of the environment, linear RGB: the camera sees it where nothing is hit, and it
-        /// lights nothing.
+        /// Color behind the scene instead of the environment, linear RGB. It lights nothing.
         backdrop: Option<Color>, "backdrop" "R,G,B";
         /// Random seed.
         seed: u64 = 0, "seed" "N";
@@ -167,8 +159,7 @@ settings! {
         bit_depth: u8 = 8, "bit-depth" "8|16" by bit_depth;
         /// Order of the array in scene_5d.mat: H(v,u,t,s,c), or LF(t,s,v,u,c) as in the Light Field Toolbox.
         mat_order: MatOrder = MatOrder::Lenses, "mat-order" "ORDER";
-        /// Also write the codes that an image sensor makes of the raw image, scene_raw.png with scene_raw.json: a name of
-        /// `sensor-model` of `holo develop`.
+        /// Also write the codes that this image sensor makes of the raw image: scene_raw.png, scene_raw.json.
         sensor_model: Option<SensorName>, "sensor-model" "NAME";
         /// Film speed of that sensor [default: its base speed].
         iso: Option<f64>, "iso" "ISO" by positive;

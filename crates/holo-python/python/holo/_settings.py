@@ -25,8 +25,8 @@ class Settings(TypedDict, total=False):
     animation: Name or index of the animation to play [default: all of the file].
     views: Views, columns x rows, or one number for both. Default: 100x100.
     sensor: Sensor resolution in pixels: hd, 4k, 8k (7952x5304), uhd8k or WIDTHxHEIGHT. Default: 8k.
-    lenses: Lenses, columns x rows: the microlenses, which are the pixels of one view; instead of a sensor.
-    lens_shifts: Lens array shifting: N x N exposures with the microlens array 1/N of its pitch apart, interleaved. N times as many lenses along both axes, each as wide as without.
+    lenses: Microlenses, columns x rows: the pixels of one view. Replaces `sensor`.
+    lens_shifts: Lens array shifting: N x N exposures, the microlens array moved by 1/N of its pitch, interleaved to N times as many lenses along both axes.
     f_number: f-number of the main lens, whose aperture the views sample. Default: 5.
     baseline_m: Baseline: distance between adjacent views, m.
     disparity: Smallest and largest disparity of the scene, px between adjacent views: focus distance and baseline follow.
@@ -34,23 +34,23 @@ class Settings(TypedDict, total=False):
     focal_mm: Focal length, mm [default: from the angle of view of the scene's camera].
     sensor_mm: Sensor size: length of the larger image side, mm. Default: 36.
     projection: Projection of the views. Default: perspective.
-    subset: Only some of the views: the row and column of the central one (cross), with both diagonals (star), or a list of COLUMN,ROW. Writes them as hci/input_CamNNN.png, with their numbers in the whole grid, and without path reuse.
-    integrator: Light transport: what light is simulated. Default: auto.
-    spp: Samples per pixel [default: 16, with the integrator depth 1]. With `denoise views` also less than one: 1/2, 1/4 .. 1/64 of the pixels have one, and all share them.
-    target_error: Adaptive sampling: stop at this relative standard error of a pixel, such as 0.02 or 2%; `spp` is then the maximum [default: 1024]. With `denoise views` it is the error that is left after samples are shared: one pixel of 16 has a sample at first, and more have where that leaves more [default maximum: 16].
+    subset: Render only some of the views: the row and column of the central one (cross), with both diagonals (star), or a list of COLUMN,ROW. Writes them as hci/input_CamNNN.png, numbered as in the whole grid.
+    integrator: Light transport. Default: auto.
+    spp: Samples per pixel [default: 16, with the integrator depth 1]. With `denoise views` also 1/2, 1/4 .. 1/64: so many of the pixels have a sample, and all share them.
+    target_error: Adaptive sampling: stop at this relative standard error of a pixel, such as 0.02 or 2%. `spp` is then the maximum [default: 1024; with `denoise views` 16, and the error is that after samples are shared].
     max_bounces: Maximum number of bounces of a light path. Default: 8.
     no_roulette: Disable Russian roulette: follow every path to its last bounce.
-    no_indirect: Without light that diffuse surfaces reflect to each other (with `integrator auto`); mirrors and glass still reflect.
-    indirect_limit: Limit what a light path may add after its first hit, against single bright pixels: darkens caustics and reflected lamps [default: no limit].
-    transparent_shadows: Let shadow rays pass straight through smooth glass: light behind windows without noise; caustics of solid glass become plain shadows.
-    no_multiple_scattering: Without light that is scattered more than once in the roughness of a surface: rough metal gets darker, as in renderers without this model.
-    reuse: Share the light that rays find on diffuse surfaces: with `reuse views` between groups of 16 neighboring views, whose noise is then lower and stands still: not for scoring or training stereo. Default: off.
-    texture_filter: Average fine textures over the part of a pixel that a sample stands for: a small bias that more samples remove. Without effect with `denoise views`. Default: footprint.
-    spectral: Let the glass of a plenoptic camera's main lens refract red, green and blue light differently, at three times the cost; for camera files with a prescription.
-    denoise: Reduce the noise of color: with `denoise views` by the samples of neighboring views, or by those pixels of a plenoptic camera that see the same point; a small bias that more samples remove. What is left of the noise moves with the true disparity: not for scoring or training stereo. Default: off.
-    cull: Hide surfaces that are not double-sided from behind, as game engines do; shadows and mirrors still show them.
+    no_indirect: Omit light that diffuse surfaces reflect to each other (with `integrator auto`).
+    indirect_limit: Limit what a light path may add after its first hit: fewer bright specks, darker caustics [default: no limit].
+    transparent_shadows: Let shadow rays pass straight through smooth glass: no noise behind windows, but no caustics of solid glass.
+    no_multiple_scattering: Omit light that is scattered more than once in the roughness of a surface: rough metal gets darker.
+    reuse: Share the light that rays find on diffuse surfaces between groups of 16 neighboring views. Their noise is lower, but the same: do not score or train stereo with it. Default: off.
+    texture_filter: Average fine textures over the part of a pixel that a sample stands for: a small bias that more samples remove. No effect with `denoise views`. Default: footprint.
+    spectral: Let the main lens of glass of a plenoptic camera refract red, green and blue light differently, at three times the cost.
+    denoise: Reduce the noise of color by the samples of pixels that see the same point: a small bias that more samples remove. The noise that is left moves with the true disparity: do not score or train stereo with it. Default: off.
+    cull: Hide the backs of surfaces that are not double-sided, as game engines do.
     sky: Environment light: linear radiance of a constant sky (one number is gray), an equirectangular map (.hdr, .exr; .png, .jpg as sRGB), or `auto`: black, and a soft sky for scenes without light. Default: auto.
-    backdrop: Color behind the scene instead of the environment, linear RGB: the camera sees it where nothing is hit, and it lights nothing.
+    backdrop: Color behind the scene instead of the environment, linear RGB. It lights nothing.
     seed: Random seed. Default: 0.
     write: Files to write, separated by commas [default: vpi,el,mat, and disparity,depth unless `layers` names others; without color no vpi, el and mat. Of a plenoptic camera raw,raw-png,white,centers].
     layers: Layers (AOVs) to write as float maps (PFM), separated by commas [default: those of `write`]. Each describes the first surface, glass included, that the ray through the center of a pixel hits. scene_LAYER.pfm is of the central view; with `ground-truth all` the folder LAYER has one of every view.
@@ -58,7 +58,7 @@ class Settings(TypedDict, total=False):
     exposure: Exposure compensation of 8- and 16-bit images in EV, or `auto`. Default: auto.
     bit_depth: Bits per channel of the raw PNGs and of scene_5d.mat. Default: 8.
     mat_order: Order of the array in scene_5d.mat: H(v,u,t,s,c), or LF(t,s,v,u,c) as in the Light Field Toolbox. Default: lenses.
-    sensor_model: Also write the codes that an image sensor makes of the raw image, scene_raw.png with scene_raw.json: a name of `sensor-model` of `holo develop`.
+    sensor_model: Also write the codes that this image sensor makes of the raw image: scene_raw.png, scene_raw.json.
     iso: Film speed of that sensor [default: its base speed].
     tools: Programs that the raw image of a plenoptic camera is also written for, separated by commas: a folder each, with a README.txt.
     """

@@ -97,12 +97,6 @@ impl Layer {
         }
     }
 
-    /// The layer with this [name](Self::name), if there is one.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|layer| layer.name() == name)
-    }
-
     /// Channels of the layer: 1 or 3.
     #[must_use]
     pub const fn channels(self) -> usize {
@@ -317,10 +311,8 @@ mod tests {
     fn names_lead_back_to_layers() {
         for (k, layer) in Layer::ALL.into_iter().enumerate() {
             assert_eq!(layer as usize, k, "the order of the list is that of the enum");
-            assert_eq!(Layer::from_name(layer.name()), Some(layer));
             assert!([1, 3].contains(&layer.channels()));
         }
-        assert_eq!(Layer::from_name("ray_length"), None);
     }
 
     #[test]

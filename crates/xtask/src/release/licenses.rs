@@ -121,7 +121,7 @@ fn without_text(name: &str, version: &str, license: &str) -> String {
     let pages: Vec<String> = ids.map(|id| format!("https://spdx.org/licenses/{id}.html")).collect();
     format!(
         "{name} {version} ({license}) contains no license file. The standard text is {}; name its place in \
-         WITHOUT_FILE of crates/xtask/src/licenses.rs",
+         WITHOUT_FILE of crates/xtask/src/release/licenses.rs",
         pages.join(" or ")
     )
 }
