@@ -47,7 +47,7 @@
 //! | Eq. 2 | [`StereoPair`] |
 //! | Eq. 3 | [`Disparity`] |
 //! | Eq. 4 | [`LightField::to_elemental_grid`], [`LightField::to_viewpoint_grid`], [`rearrange::naive`] |
-//! | Eq. 5 | [`Block`], [`LightField::from_elemental_grid`], [`LightField::from_viewpoint_grid`] |
+//! | Eq. 5 | [`LightField::from_elemental_grid`], [`LightField::from_viewpoint_grid`] |
 //!
 //! # Tools
 //!

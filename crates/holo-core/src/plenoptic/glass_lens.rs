@@ -93,7 +93,7 @@ impl GlassLens {
     }
 }
 
-/// Rays into the scene, as [`PlenopticRay`].
+/// Rays into the scene, as [`PlenopticRay`](super::PlenopticRay).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TracedRays<const N: usize> {
     /// Where they cross the entrance pupil's plane z = 0, x and y in meters.

@@ -61,7 +61,7 @@ settings! {
         one_of pixels: Pixels = Pixels::Sensor(Sensor::Paper8k) => {
             /// Sensor resolution in pixels: hd, 4k, 8k (7952x5304), uhd8k or WIDTHxHEIGHT.
             sensor: Sensor(Sensor), "sensor" "NAME|WxH";
-            /// Microlenses, columns x rows: the pixels of one view. Replaces `sensor`.
+            /// Lenses, columns x rows: the microlenses, which are the pixels of one view. Replaces `sensor`.
             lenses: Lenses(GridSize), "lenses" "UxV";
         }
         /// Lens array shifting: N x N exposures, the microlens array moved by 1/N of its pitch, interleaved to N times as many

@@ -25,7 +25,7 @@ class Settings(TypedDict, total=False):
     animation: Name or index of the animation to play [default: all of the file].
     views: Views, columns x rows, or one number for both. Default: 100x100.
     sensor: Sensor resolution in pixels: hd, 4k, 8k (7952x5304), uhd8k or WIDTHxHEIGHT. Default: 8k.
-    lenses: Microlenses, columns x rows: the pixels of one view. Replaces `sensor`.
+    lenses: Lenses, columns x rows: the microlenses, which are the pixels of one view. Replaces `sensor`.
     lens_shifts: Lens array shifting: N x N exposures, the microlens array moved by 1/N of its pitch, interleaved to N times as many lenses along both axes.
     f_number: f-number of the main lens, whose aperture the views sample. Default: 5.
     baseline_m: Baseline: distance between adjacent views, m.
