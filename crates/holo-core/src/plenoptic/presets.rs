@@ -74,17 +74,6 @@ const PRESETS: &[Preset] = &[
         },
     },
     Preset {
-        name: "bench-tenth",
-        description: "a tenth of a Lytro Illum along both axes, for trials",
-        source: "the preset lytro-illum",
-        is_approximate: true,
-        sensor: None,
-        parts: || {
-            let lens = MainLens::new(24.199e-3, 2.2, 0.5);
-            (ImageSensor::new(GridSize::new(536, 772), 1.4e-6), hexagonal(20e-6, 37e-6), lens)
-        },
-    },
-    Preset {
         name: "pleno-upcs",
         description: "a calibrated Lytro Illum: unfocused, hexagonal, exit pupil in the lens",
         source: "examples of the simulator PRISM, after Bok et al. (2017)",
