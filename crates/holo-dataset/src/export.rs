@@ -12,6 +12,7 @@ mod lfasr;
 mod nerf;
 mod npy;
 mod plenpy;
+mod ppm;
 mod source;
 mod stanford;
 mod urbanlf;
@@ -69,6 +70,7 @@ pub const EXPORT_TARGETS: &[ExportTarget] = &[
     stanford::TARGET,
     jpeg_pleno::TARGET,
     npy::TARGET,
+    ppm::TARGET,
     nerf::NERF,
     nerf::NERFSTUDIO,
 ];
