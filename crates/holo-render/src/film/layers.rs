@@ -60,13 +60,11 @@ pub enum Layer {
     /// 1 for a hit whose material [mirrors light](holo_scene::Material::is_reflective), 2 if it
     /// [lets light pass](holo_scene::Material::is_transparent), else 0.
     Reflective,
-    /// Depth of the central axis divided by that along the ray: the cosine of the ray to the axis; 0 for a miss.
-    AxisCosine,
 }
 
 impl Layer {
     /// The number of layers.
-    pub const COUNT: usize = 11;
+    pub const COUNT: usize = 10;
 
     /// All layers.
     pub const ALL: [Self; Self::COUNT] = [
@@ -80,7 +78,6 @@ impl Layer {
         Self::MaterialId,
         Self::HitMask,
         Self::Reflective,
-        Self::AxisCosine,
     ];
 
     /// The name on the command line, such as `ray-length`.
@@ -97,7 +94,6 @@ impl Layer {
             Self::MaterialId => "material-id",
             Self::HitMask => "hit-mask",
             Self::Reflective => "reflective",
-            Self::AxisCosine => "axis-cosine",
         }
     }
 

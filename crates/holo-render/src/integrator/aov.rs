@@ -70,7 +70,6 @@ impl TileAovs {
                 Layer::GeometricNormal => self.vectors[k].push(geometric_normal(context, hits)),
                 Layer::ShadingNormal => self.vectors[k].push(shading_normal(context, hits)),
                 Layer::Albedo => self.vectors[k].push(albedo(hits)),
-                Layer::AxisCosine => self.scalars[k].push([axis_cosine(hits)]),
             }
         }
     }
@@ -105,17 +104,6 @@ fn ray_length(hits: &PrimaryHits) -> [f32; LANES] {
     for lane in 0..LANES {
         let [x, y] = [hits.rays.direction_x[lane], hits.rays.direction_y[lane]];
         out[lane] = (hits.refined.depth[lane] * (x * x + y * y + 1.0).sqrt()) as f32;
-    }
-    out
-}
-
-#[inline(always)]
-fn axis_cosine(hits: &PrimaryHits) -> [f32; LANES] {
-    let mask = hit_mask(hits);
-    let mut out = [0.0; LANES];
-    for lane in 0..LANES {
-        let [x, y] = [hits.rays.direction_x[lane], hits.rays.direction_y[lane]];
-        out[lane] = mask[lane] * (1.0 / (x * x + y * y + 1.0).sqrt()) as f32;
     }
     out
 }
