@@ -12,7 +12,6 @@ mod lfasr;
 mod nerf;
 mod npy;
 mod plenpy;
-mod ppm;
 mod source;
 mod stanford;
 mod urbanlf;
@@ -70,7 +69,6 @@ pub const EXPORT_TARGETS: &[ExportTarget] = &[
     stanford::TARGET,
     jpeg_pleno::TARGET,
     npy::TARGET,
-    ppm::TARGET,
     nerf::NERF,
     nerf::NERFSTUDIO,
 ];
