@@ -103,7 +103,8 @@ mod tests {
         let color = Array3::zeros((2, 3, 3));
         let channels = channels(&central, Some(color.view()));
         let names: std::collections::BTreeSet<&str> = channels.iter().map(|(name, _)| name.as_str()).collect();
-        assert_eq!((names.len(), channels.len()), (22, 22), "{names:?}");
+        let count = 2 * 3 + Layer::ALL.iter().map(|layer| layer.channels()).sum::<usize>();
+        assert_eq!((names.len(), channels.len()), (count, count), "{names:?}");
         for name in ["Combined.R", "Depth.Z", "Normal.Y", "DiffCol.B", "IndexOB.X", "IndexMA.X", "Disparity.X"] {
             assert!(names.contains(format!("ViewLayer.{name}").as_str()), "{name}");
         }
