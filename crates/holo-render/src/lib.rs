@@ -40,7 +40,7 @@
 // Allowed in two modules: the binding to Embree and the SIMD dispatch.
 #![deny(unsafe_code)]
 
-/// Setters of public fields, each of which returns the options changed.
+/// Setters of public fields. Each returns the changed options.
 macro_rules! setters {
     ($($name:ident: $type:ty),* $(,)?) => {$(
         #[doc = concat!("Sets [`", stringify!($name), "`](field@Self::", stringify!($name), ").")]

@@ -67,7 +67,7 @@ fn exr_name(layer: Layer) -> (String, &'static [&'static str]) {
     (name.to_owned(), components)
 }
 
-/// `HitMask` of `hit-mask`.
+/// `HitMask` of `hit-mask`. The words of a layer are ASCII and not empty.
 fn camel_case(name: &str) -> String {
     let word = |word: &str| word[..1].to_ascii_uppercase() + &word[1..];
     name.split('-').map(word).collect()
