@@ -11,6 +11,9 @@ changed: their code runs from where it is, in Python of today, and what it impor
     jingjin25/LFASR-geometry                    `lfasr`
     nerfstudio-project/nerfstudio               `nerfstudio`, with torch
     italoplk/Light-Field-Codec                  `jpeg-pleno`, by its reader in C++
+    YingqianWang/OACC-Net                       sixteen scenes of `hci`, with torch and einops; its augmentation is left out
+    hbb1/2d-gaussian-splatting                  `nerf`, by the reader it shares with 3D Gaussian splatting, with torch and plyfile
+    warriordby/LFSOD                            `lfsd`, by its loader for tests, with torch, torchvision and scipy
 """
 import argparse
 import contextlib
@@ -381,6 +384,109 @@ def nerfstudio(repository, bench):
     return f"{len(names)} images are equal, and points of the central view fall where disparity has them, within {worst:.1e} px"
 
 
+def oacc_net(repository, bench):
+    try:
+        import einops  # noqa: F401
+        import torchvision  # noqa: F401
+    except ImportError as why:
+        return f"not run: needs {why.name}"
+    sys.path.insert(0, str(repository))
+    utils = module_of(repository / "utils.py", "oacc_utils")
+    plain = "--spp 1 --integrator direct --denoise off --quiet"
+    bench.run(f"dataset --out sixteen --preset hci --write el,disparity,depth {plain}")
+    out = bench.export("hci", "sixteen")
+    # What changes the data for training would hide what was read.
+    patch, at = 96, (200, 150)
+    utils.illuminance_augmentation = lambda field: field[..., 1]
+    utils.scale_augmentation = lambda field, label, _: (field, label, 2)
+    cut = slice(at[0], at[0] + patch), slice(at[1], at[1] + patch)
+    utils.random_crop = lambda field, label, *_: (field[:, :, *cut], label[cut])
+    utils.orientation_augmentation = lambda data, label: (data, label)
+    loader = utils.TrainSetLoader(types.SimpleNamespace(trainset_dir=f"{out}/training/", angRes=VIEWS, patchsize=patch))
+    assert len(loader.files) == 16, f"{len(loader.files)} scenes"
+    for index in [0, 3, 12]:
+        field, disparity = bench.views(loader.files[loader.scene_idx[index]], "sixteen")
+        data, label = loader[index]
+        read = data.numpy()[0].reshape(VIEWS, patch, VIEWS, patch).transpose(0, 2, 1, 3)
+        assert np.array_equal(np.rint(255 * read), field[:, :, *cut, 1]), "views differ"
+        assert np.array_equal(label.numpy()[0], disparity[cut]), "disparity differs"
+        assert set(np.unique(label.numpy()[1])) <= {0.0, 1.0}, "the mask is none"
+    return "16 scenes; views and disparity of three are equal"
+
+
+def splatting(repository, bench):
+    try:
+        import plyfile  # noqa: F401
+        import torch  # noqa: F401
+    except ImportError as why:
+        return f"not run: needs {why.name}"
+    # Kernels for a GPU, which reading does not need.
+    without("simple_knn", "simple_knn._C")
+    sys.path.insert(0, str(repository))
+    # The package imports all of the training.
+    package = types.ModuleType("scene")
+    package.__path__ = [str(repository / "scene")]
+    sys.modules["scene"] = package
+    reader = importlib.import_module("scene.dataset_readers")
+    bench.run("scene garden --out garden.glb")
+    bench.run("array plane --count 3x3 --spacing-m 0.05 --radius-m 1 --size 96x64 --fov-deg 45 --out cameras.json")
+    bench.run("render garden.glb --transforms cameras.json --out posed --spp 1 --layers depth --quiet")
+    out = bench.export("nerf", "posed")
+    with contextlib.redirect_stdout(io.StringIO()):
+        read = reader.readNerfSyntheticInfo(str(out), False, True)
+    cameras = read.train_cameras + read.test_cameras
+    assert (len(read.train_cameras), len(read.test_cameras)) == (7, 2), f"{len(cameras)} cameras"
+    points = np.asarray(read.point_cloud.points, float)
+    colors = np.rint(255 * np.asarray(read.point_cloud.colors))
+    seen = 0
+    for camera in cameras:
+        image = imageio.imread(bench.folder / "posed/images" / f"{camera.image_name}.png")
+        assert np.array_equal(np.asarray(camera.image), image[..., :3]), f"{camera.image_name} differs"
+        with open(bench.folder / "posed/depth" / f"{camera.image_name}.pfm", "rb") as file:
+            file.readline(), file.readline(), file.readline()
+            depth = np.flipud(np.frombuffer(file.read(), "<f4").reshape(camera.height, camera.width))
+        x, y, z = (points @ camera.R + camera.T).T
+        focal = camera.width / (2 * np.tan(camera.FovX / 2))
+        column, row = focal * x / z + camera.width / 2, focal * y / z + camera.height / 2
+        at = [np.floor(place).astype(int) for place in (row, column)]
+        inside = (z > 0) & (at[0] >= 0) & (at[0] < camera.height) & (at[1] >= 0) & (at[1] < camera.width)
+        rows, columns = at[0][inside], at[1][inside]
+        middle = np.hypot(row[inside] - rows - 0.5, column[inside] - columns - 0.5)
+        # A point of this camera lies in the middle of its pixel, at its depth, with its color.
+        own = (middle < 1e-2) & (np.abs(z[inside] / depth[rows, columns] - 1) < 1e-5)
+        same = (colors[inside][own] == image[rows[own], columns[own], :3]).all(axis=1)
+        assert same.mean() > 0.99, "colors differ"
+        seen += same.sum()
+    assert seen >= len(points), f"{seen} of {len(points)} points lie on their pixels"
+    return f"7 + 2 images are equal, {len(points)} points lie on their pixels, at their depths, with their colors"
+
+
+def saliency(repository, bench):
+    try:
+        import cv2  # noqa: F401
+        import scipy.io
+        import torchvision  # noqa: F401
+    except ImportError as why:
+        return f"not run: needs {why.name}"
+    loader = module_of(repository / "bestlf/Dataloader/SODdataloader.py", "saliency_loader")
+    bench.run("scene plaster --out plaster.glb")
+    bench.run("render plaster.glb --preset hci --lenses 256x256 --layers depth,disparity,object-id --out seen --spp 1 --quiet")
+    out = bench.export("lfsd", "seen", "--objects sphere*")
+    roots = [f"{out}/train_{part}/" for part in ("images", "masks", "focals")]
+    image, focal, mask, name = loader.test_dataset(*roots, 256).load_data()
+    assert name == "seen.png" and mask.size == (256, 256)
+    stack = scipy.io.loadmat(out / "train_focals/seen.mat")["img"]
+    mean, deviation = loader.test_dataset.mean_focal, loader.test_dataset.std_focal
+    read = focal.numpy().transpose(1, 2, 0) * deviation + mean
+    assert np.abs(255 * read - stack).max() < 1e-3, "the focal stack differs"
+    raw = imageio.imread(bench.folder / "seen/scene_el.png")
+    central = raw[VIEWS // 2 :: VIEWS, VIEWS // 2 :: VIEWS]
+    codes = 255 * (image[0].numpy().transpose(1, 2, 0) * deviation[:3] + mean[:3])
+    worst = np.abs(codes - central).max()
+    assert worst < 40, f"the image is off by {worst}"
+    return f"the focal stack is equal, {np.mean(np.asarray(mask) > 0):.0%} of the mask is lit, the JPEG is within {worst:.0f} codes"
+
+
 CONSUMERS = {
     "EPINET": ("epinet_fun/util.py", epinet),
     "HCI evaluation toolkit": ("source/toolkit/metrics/region_metrics.py", toolkit),
@@ -388,6 +494,9 @@ CONSUMERS = {
     "LFASR-geometry": ("LFData/PrepareData_train_HCI.m", lfasr),
     "nerfstudio": ("nerfstudio/data/dataparsers/nerfstudio_dataparser.py", nerfstudio),
     "Light-Field-Codec (JPEG Pleno)": ("src/LightField.cpp", codec),
+    "OACC-Net": ("func_pfm.py", oacc_net),
+    "3D Gaussian splatting": ("scene/dataset_readers.py", splatting),
+    "LFSOD (saliency)": ("bestlf/Dataloader/SODdataloader.py", saliency),
 }
 
 

@@ -6,6 +6,7 @@
 mod array;
 mod benchmark;
 mod calibrate;
+mod compote;
 mod decode;
 mod develop;
 mod linear_image;

@@ -1,16 +1,18 @@
-//! Exports: light fields as the files that programs of others read. A target is one file, and says what it needs.
+//! Exports: light fields and raw images as the files that programs of others read. A target is one file, and says what it needs.
 //!
 //! Conventions are those of each program's own loader. What a target writes never depends on the reader knowing anything of
 //! this project: sizes, ranges and orders are those that the loader expects.
 //!
-//! **May import:** describe, score, output, watch.
+//! **May import:** describe, score, camera, settings, output, watch.
 
 mod basiclfsr;
 mod hci;
 mod jpeg_pleno;
 mod lfasr;
+mod lfsd;
 mod nerf;
 mod npy;
+mod plenoptic;
 mod plenpy;
 mod source;
 mod stanford;
@@ -21,12 +23,14 @@ use std::path::PathBuf;
 use holo_core::GridSize;
 
 use self::nerf::CameraLists;
+use self::plenoptic::{Boards, RawImage};
 use self::source::{LoadedField, SourceField, renamed, sources};
 use crate::Error;
 use crate::output::{OutputFolder, Rollback, TRANSFORMS};
+use crate::settings::Tool;
 use crate::watch::{About, Diagnostics};
 
-/// A program, or a family of programs, that light fields or images of pinhole cameras are written for.
+/// A program, or a family of programs, that light fields, raw images or images of pinhole cameras are written for.
 #[derive(Clone, Copy, Debug)]
 pub struct ExportTarget {
     /// The name.
@@ -37,6 +41,8 @@ pub struct ExportTarget {
     usage: &'static str,
     /// Whether scenes lie in a group.
     has_groups: bool,
+    /// Whether it has masks of chosen objects.
+    has_objects: bool,
     writer: Writer,
 }
 
@@ -44,16 +50,39 @@ pub struct ExportTarget {
 #[derive(Clone, Copy, Debug)]
 enum Writer {
     /// Light fields, one after another.
-    Fields {
-        write: fn(&mut OutputFolder, &LoadedField, &ExportJob) -> Result<(), Error>,
-        /// A warning about a whole export.
-        check: fn(&[LoadedNote]) -> Option<String>,
-    },
+    Fields { write: WriteField, check: CheckFields },
     /// All light fields as one.
-    Joined(fn(&mut OutputFolder, &[SourceField]) -> Result<(), Error>),
+    Joined(WriteJoined),
     /// Images of posed cameras: those of a folder, or the views of light fields.
     Posed(CameraLists),
+    /// Raw images of plenoptic cameras.
+    Raw(Tool),
+    /// Raw images of boards.
+    Boards,
 }
+
+/// What is exported, and how.
+enum Work {
+    Fields {
+        sources: Vec<SourceField>,
+        write: WriteField,
+        check: CheckFields,
+    },
+    Joined(Vec<SourceField>, WriteJoined),
+    /// The images of the folder.
+    Pinholes(CameraLists),
+    /// The views of light fields.
+    Views(Vec<SourceField>, CameraLists),
+    Raw(Vec<RawImage>, Tool),
+    Boards(Box<Boards>),
+}
+
+type WriteField = fn(&mut OutputFolder, &LoadedField, &ExportJob) -> Result<(), Error>;
+
+/// Returns a warning about a whole export.
+type CheckFields = fn(&[LoadedNote]) -> Option<String>;
+
+type WriteJoined = fn(&mut OutputFolder, &[SourceField]) -> Result<(), Error>;
 
 /// What a warning about a whole export depends on: the pixels of a view.
 type LoadedNote = GridSize;
@@ -69,8 +98,17 @@ pub const EXPORT_TARGETS: &[ExportTarget] = &[
     stanford::TARGET,
     jpeg_pleno::TARGET,
     npy::TARGET,
+    lfsd::TARGET,
     nerf::NERF,
     nerf::NERFSTUDIO,
+    plenoptic::COMPOTE,
+    plenoptic::raw(Tool::LfToolbox),
+    plenoptic::raw(Tool::PlenoptiCam),
+    plenoptic::raw(Tool::Libpleno),
+    plenoptic::raw(Tool::Pip),
+    plenoptic::raw(Tool::Raytrix),
+    plenoptic::raw(Tool::Plenpy),
+    plenoptic::raw(Tool::Lytro),
 ];
 
 impl ExportTarget {
@@ -81,12 +119,12 @@ impl ExportTarget {
     }
 }
 
-/// An export of a light field, of those of a dataset, or of images of pinhole cameras.
+/// An export of a light field, of those of a dataset, of images of pinhole cameras, or of raw images.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ExportJob {
-    /// A dataset, a folder or a file with a light field, a folder with those of several poses or frames, or one with images of
-    /// pinhole cameras.
+    /// A dataset, a folder or a file with a light field, a folder with those of several poses or frames, one with images of
+    /// pinhole cameras, or one with raw images.
     pub input: PathBuf,
     /// The program that reads the files.
     pub target: &'static ExportTarget,
@@ -96,12 +134,14 @@ pub struct ExportJob {
     pub group: Option<String>,
     /// Other names of scenes: ours, and that in the export.
     pub names: Vec<(String, String)>,
+    /// The names of the objects that masks show; `*` at the end of a name stands for any ending.
+    pub objects: Vec<String>,
 }
 
 /// What was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Exported {
-    /// What was written: a number of light fields, or of images.
+    /// What was written: a number of light fields, of images, or of boards.
     pub contents: String,
     /// The names of all files, relative to the folder of the export.
     pub files: Vec<String>,
@@ -111,7 +151,7 @@ impl ExportJob {
     /// Creates the export of `input` for `target`.
     #[must_use]
     pub fn new(input: impl Into<PathBuf>, target: &'static ExportTarget) -> Self {
-        Self { input: input.into(), target, views: None, group: None, names: Vec::new() }
+        Self { input: input.into(), target, views: None, group: None, names: Vec::new(), objects: Vec::new() }
     }
 
     /// Sets the views.
@@ -132,6 +172,12 @@ impl ExportJob {
         Self { names: names.into_iter().collect(), ..self }
     }
 
+    /// Sets the names of the objects that masks show.
+    #[must_use]
+    pub fn objects(self, objects: impl IntoIterator<Item = String>) -> Self {
+        Self { objects: objects.into_iter().collect(), ..self }
+    }
+
     /// Writes the export into the folder `out`, which must be empty or missing.
     ///
     /// # Errors
@@ -144,58 +190,14 @@ impl ExportJob {
         diagnostics: &dyn Diagnostics,
     ) -> Result<Exported, Error> {
         let out = out.into();
-        if self.group.is_some() && !self.target.has_groups {
-            let with_groups: Vec<&str> =
-                EXPORT_TARGETS.iter().filter(|target| target.has_groups).map(|target| target.name).collect();
-            let (name, others) = (self.target.name, with_groups.join(", "));
-            return Err(Error::BadRequest(format!(
-                "`group`: the files for {name} have no groups; those for {others} have"
-            )));
-        }
-        let groups = self.group.iter().map(|group| ("group", group));
-        for (key, name) in groups.chain(self.names.iter().map(|(_, name)| ("names", name))) {
-            if name.is_empty() || !name.chars().all(|c| c.is_alphanumeric() || "-_ ".contains(c)) {
-                return Err(Error::BadRequest(format!("`{key}={}` is no name of a folder", holo_core::shown(name))));
-            }
-        }
         // A wrong request is refused before a folder appears.
-        let sources = match self.target.writer {
-            Writer::Posed(_) if self.has_pinholes() => self.checked_pinholes()?,
-            _ => renamed(sources(&self.input, self.views)?, &self.names)?,
-        };
+        self.check_names()?;
+        let work = self.checked()?;
         if std::fs::read_dir(&out).is_ok_and(|mut entries| entries.next().is_some()) {
             return Err(Error::BadRequest(format!("{} has files already; give an empty `out`", out.display())));
         }
         let mut folder = OutputFolder::create_plain(&out, rollback)?;
-        let contents = match self.target.writer {
-            Writer::Fields { write, check } => {
-                let mut sizes = Vec::new();
-                for (number, source) in sources.iter().enumerate() {
-                    let loaded = source.load(number)?;
-                    sizes.push(loaded.field.shape().lenses());
-                    write(&mut folder, &loaded, self)?;
-                }
-                if let Some(warning) = check(&sizes) {
-                    diagnostics.report(About::Scene, &format!("warning: {warning}"));
-                }
-                counted(sizes.len(), "light field")
-            }
-            Writer::Joined(write) => {
-                write(&mut folder, &sources)?;
-                counted(sources.len(), "light field")
-            }
-            Writer::Posed(lists) if sources.is_empty() => {
-                counted(nerf::write_folder(&mut folder, &self.input, lists)?, "image")
-            }
-            Writer::Posed(lists) => {
-                let mut count = 0;
-                for (number, source) in sources.iter().enumerate() {
-                    let inner = if sources.len() == 1 { String::new() } else { format!("{}/", source.name()) };
-                    count += nerf::write_field(&mut folder, &inner, &source.load(number)?, lists)?;
-                }
-                counted(count, "image")
-            }
-        };
+        let contents = self.write(&mut folder, &work, diagnostics)?;
         let text = format!(
             "{contents} for {}: {}\n{}\nWritten by holo {} from {}.\n",
             self.target.name,
@@ -210,19 +212,105 @@ impl ExportJob {
         Ok(Exported { contents, files })
     }
 
+    /// Refuses groups and objects that the target has not, and names that are none of folders.
+    fn check_names(&self) -> Result<(), Error> {
+        let (is_grouped, has_chosen) = (self.group.is_some(), !self.objects.is_empty());
+        let kinds: [(_, _, _, fn(&ExportTarget) -> bool); 2] = [
+            ("group", is_grouped, "groups", |target| target.has_groups),
+            ("objects", has_chosen, "masks of objects", |target| target.has_objects),
+        ];
+        for (key, is_given, what, has) in kinds {
+            if is_given && !has(self.target) {
+                let others: Vec<&str> =
+                    EXPORT_TARGETS.iter().filter(|target| has(target)).map(|target| target.name).collect();
+                let (name, others) = (self.target.name, others.join(", "));
+                return Err(Error::BadRequest(format!(
+                    "`{key}`: the files for {name} have no {what}; those for {others} have"
+                )));
+            }
+        }
+        let groups = self.group.iter().map(|group| ("group", group));
+        for (key, name) in groups.chain(self.names.iter().map(|(_, name)| ("names", name))) {
+            if name.is_empty() || !name.chars().all(|c| c.is_alphanumeric() || "-_ ".contains(c)) {
+                return Err(Error::BadRequest(format!("`{key}={}` is no name of a folder", holo_core::shown(name))));
+            }
+        }
+        Ok(())
+    }
+
+    /// Finds what the target takes.
+    fn checked(&self) -> Result<Work, Error> {
+        let fields = || renamed(sources(&self.input, self.views)?, &self.names);
+        Ok(match self.target.writer {
+            Writer::Fields { write, check } => Work::Fields { sources: fields()?, write, check },
+            Writer::Joined(write) => Work::Joined(fields()?, write),
+            Writer::Posed(lists) if self.has_pinholes() => {
+                self.check_single("these are single images")?;
+                Work::Pinholes(lists)
+            }
+            Writer::Posed(lists) => Work::Views(fields()?, lists),
+            Writer::Raw(tool) => {
+                self.check_single("the target takes raw images")?;
+                Work::Raw(plenoptic::raw_images(&self.input, tool)?, tool)
+            }
+            Writer::Boards => {
+                self.check_single("the target takes raw images")?;
+                Work::Boards(Box::new(Boards::open(&self.input)?))
+            }
+        })
+    }
+
+    /// Writes all files; returns how many of what.
+    fn write(&self, folder: &mut OutputFolder, work: &Work, diagnostics: &dyn Diagnostics) -> Result<String, Error> {
+        Ok(match work {
+            Work::Fields { sources, write, check } => {
+                let mut sizes = Vec::new();
+                for (number, source) in sources.iter().enumerate() {
+                    let loaded = source.load(number)?;
+                    sizes.push(loaded.field.shape().lenses());
+                    write(folder, &loaded, self)?;
+                }
+                if let Some(warning) = check(&sizes) {
+                    diagnostics.report(About::Scene, &format!("warning: {warning}"));
+                }
+                counted(sizes.len(), "light field")
+            }
+            Work::Joined(sources, write) => {
+                write(folder, sources)?;
+                counted(sources.len(), "light field")
+            }
+            Work::Pinholes(lists) => counted(nerf::write_folder(folder, &self.input, *lists)?, "image"),
+            Work::Views(sources, lists) => {
+                let mut count = 0;
+                for (number, source) in sources.iter().enumerate() {
+                    let inner = if sources.len() == 1 { String::new() } else { format!("{}/", source.name()) };
+                    count += nerf::write_field(folder, &inner, &source.load(number)?, *lists)?;
+                }
+                counted(count, "image")
+            }
+            Work::Raw(images, tool) => {
+                for image in images {
+                    image.write(folder, *tool)?;
+                }
+                counted(images.len(), "raw image")
+            }
+            Work::Boards(boards) => counted(boards.write(folder)?, "board"),
+        })
+    }
+
     /// Whether the input is a folder of images of pinhole cameras.
     fn has_pinholes(&self) -> bool {
         self.input.join(TRANSFORMS).is_file() && self.input.join("images").is_dir()
     }
 
-    /// Refuses settings that images of pinhole cameras do not have.
-    fn checked_pinholes(&self) -> Result<Vec<SourceField>, Error> {
+    /// Refuses settings of light fields.
+    fn check_single(&self, why: &str) -> Result<(), Error> {
         for (key, is_given) in [("views", self.views.is_some()), ("names", !self.names.is_empty())] {
             if is_given {
-                return Err(Error::BadRequest(format!("`{key}` is of light fields, and these are single images")));
+                return Err(Error::BadRequest(format!("`{key}` is of light fields, and {why}")));
             }
         }
-        Ok(Vec::new())
+        Ok(())
     }
 
     /// The folder of a scene in its group.

@@ -29,6 +29,7 @@ pub(crate) use self::masks::OBJECTS_PNG;
 pub(crate) use self::memory::is_room;
 pub(crate) use self::statistics::Finished;
 pub use self::statistics::{ColorStatistics, EstimatedError, Statistics};
+pub(crate) use self::tools::stopped;
 pub(crate) use self::wanted::Wanted;
 #[cfg(not(feature = "hdf5"))]
 pub(crate) use self::wanted::without_hdf5;

@@ -116,11 +116,12 @@ pub fn export(
     views: Option<Size>,
     group: Option<String>,
     names: Vec<(String, String)>,
+    objects: Vec<String>,
 ) -> Result<Told<Vec<String>>, Failure> {
     let choices: Vec<(&str, &ExportTarget)> = EXPORT_TARGETS.iter().map(|target| (target.name, target)).collect();
     let target = options::choice("target", target, &choices)?;
     let views = views.map(|(rows, columns)| GridSize::new(rows, columns));
-    let job = ExportJob::new(input, target).views(views).group(group).names(names);
+    let job = ExportJob::new(input, target).views(views).group(group).names(names).objects(objects);
     let run = |tell: &dyn Diagnostics| Ok(job.run(out, &Rollback::default(), tell)?.files);
     Ok(py.detach(|| listening(run))?)
 }

@@ -57,6 +57,7 @@ fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(files::write_light_field, module)?,
         wrap_pyfunction!(files::write_hci, module)?,
         wrap_pyfunction!(files::export, module)?,
+        wrap_pyfunction!(files::array::place_cameras, module)?,
         wrap_pyfunction!(files::export_targets, module)?,
         wrap_pyfunction!(score::benchmark::calibration_benchmark, module)?,
         wrap_pyfunction!(files::write_image, module)?,

@@ -94,6 +94,19 @@ def test_export_is_that_of_the_command_line(folder, tmp_path):
     assert (np.load(tmp_path / "named" / "boxes.npy") == exported).all()
     assert (exported[1, 2] == job.view(1, 2)).all()
     assert (np.load(tmp_path / "npy" / "plaster_disparity.npy") == job.disparity).all()
+    plaster = holo.Scene.gallery("plaster")
+    options = dict(views=3, lenses=(16, 24), spp=1, layers=["depth", "disparity", "object-id"])
+    seen = tmp_path / "seen"
+    holo.render_to(seen, plaster, **options)
+    holo.export(seen, "lfsd", tmp_path / "saliency", objects=plaster.objects)
+    mask = np.asarray(Image.open(tmp_path / "saliency" / "train_masks" / "seen.png"))
+    assert mask.shape == (16, 24) and mask.max() == 255
+    stack = scipy.io.loadmat(tmp_path / "saliency" / "train_focals" / "seen.mat")["img"]
+    assert stack.shape == (16, 24, 36) and stack.dtype == np.uint8
+    image = np.asarray(Image.open(tmp_path / "saliency" / "train_images" / "seen.jpg"), dtype=int)
+    assert np.abs(image - holo.open(seen).array[:, :, 1, 1]).mean() < 6
+    with pytest.raises(holo.UsageError, match="objects"):
+        holo.export(seen, "lfsd", tmp_path / "none")
     with pytest.raises(holo.UsageError, match="9 x 9"):
         holo.export(folder / "set", "hci", tmp_path / "hci", views=3)
     with pytest.raises(holo.UsageError, match="views"):

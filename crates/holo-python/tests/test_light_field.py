@@ -264,6 +264,23 @@ def test_placed_camera(garden):
         holo.render(garden, eye=(0.0, 2.0, 0.0), target=(0.0, 0.0, 0.0), **options)
 
 
+def test_cameras_are_placed_as_on_the_command_line(tmp_path):
+    jitter = dict(jitter_position_m=0.01, jitter_focal=0.02, seed=3)
+    path = holo.place_cameras("plane", (2, 3), tmp_path / "poses.json", spacing_m=(0.2, 0.1), target=(0, 0.5, 0), size=(40, 60), **jitter)
+    line = "array plane --count 3x2 --spacing-m 0.2,0.1 --target 0,0.5,0 --size 60x40 --jitter-position-m 0.01 --jitter-focal 0.02 --seed 3"
+    run(*line.split(), "--out", tmp_path / "own.json")
+    assert path.read_text() == (tmp_path / "own.json").read_text()
+    ring = json.loads(holo.place_cameras("sphere", 5, tmp_path / "ring.json", radius_m=2.0, transforms_up="y").read_text())
+    places = np.array([frame["transform_matrix"] for frame in ring["frames"]])[:, :3, 3]
+    assert np.allclose(np.linalg.norm(places, axis=1), 2.0)
+    with pytest.raises(holo.UsageError, match="180 degrees"):
+        holo.place_cameras("plane", 3, tmp_path / "none.json", fov_deg=180.0)
+    with pytest.raises(holo.UsageError, match="one number"):
+        holo.place_cameras("sphere", (2, 3), tmp_path / "none.json")
+    with pytest.raises(holo.UsageError, match="cylinder"):
+        holo.place_cameras("ring", 3, tmp_path / "none.json")
+
+
 def test_cameras_anywhere(tmp_path):
     """What numpy makes of the images of an array is what `CameraArray` makes of them."""
     eyes = [(0.1 * (k % 3 - 1), 0.1 * (k // 3 - 1), 1.5 + 0.02 * k) for k in range(9)]

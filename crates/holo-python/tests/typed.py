@@ -24,5 +24,6 @@ count: int = len(data)
 first: holo.Job = data[0]
 opened: holo.LightField = holo.open("scene.png", views=(9, 9))
 files = holo.export("field", "npy", "arrays")
+poses: Path = holo.place_cameras("sphere", 9, radius_m=2.0)
 pose = holo.Pose(eye=(0, 1, 2), target=(0, 0, 0))
 placed = holo.render(scene, pose=pose, views=3)

@@ -10,7 +10,7 @@ use holo_dataset::{EXPORT_TARGETS, ExportTarget};
 
 #[derive(Args, Debug)]
 pub struct ExportOptions {
-    /// A dataset of `holo dataset`, a folder or file with one light field, or a folder of `holo render --transforms`.
+    /// A dataset of `holo dataset`, a folder or file with one light field, a folder of `holo render`, or one of `holo target`.
     pub input: PathBuf,
     /// What reads the files.
     #[arg(long = "for", value_name = "NAME", value_parser = targets())]
@@ -27,6 +27,9 @@ pub struct ExportOptions {
     /// Other names of scenes, such as chess=boxes,garden=cotton.
     #[arg(long, value_name = "OURS=THEIRS,..", value_delimiter = ',', value_parser = pair_of_names)]
     pub names: Vec<(String, String)>,
+    /// Objects that masks show, by the names of the scene; BALL* for all that begin so.
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    pub objects: Vec<String>,
 }
 
 fn pair_of_names(text: &str) -> Result<(String, String), String> {

@@ -9,9 +9,6 @@ use crate::failure::Failure;
 
 pub fn run(options: &ArrayOptions) -> Result<(), Failure> {
     let count = options.count;
-    if options.angle_deg >= 180.0 {
-        return Err(Failure::Usage("--fov-deg must be below 180".into()));
-    }
     let surface = match options.surface {
         SurfaceArgument::Plane => Surface::Plane { count, spacing_m: options.spacing_m },
         SurfaceArgument::Cylinder => {
@@ -25,7 +22,7 @@ pub fn run(options: &ArrayOptions) -> Result<(), Failure> {
             Surface::Sphere { count: count.columns, elevation_rad: [low.to_radians(), high.to_radians()] }
         }
     };
-    let focal_px = options.size.columns as f64 / (2.0 * (options.angle_deg / 2.0).to_radians().tan());
+    let focal_px = Placement::focal_px(options.size.columns, options.angle_deg.to_radians())?;
     let (target_m, radius_m, size) = (options.target_m, options.radius_m, options.size);
     let meant = Placement { surface, target_m, radius_m, size, focal_px }.cameras()?;
     let jitter = CameraJitter {

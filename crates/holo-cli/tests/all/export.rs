@@ -269,6 +269,13 @@ fn the_toolkit_of_the_benchmark_gets_masks_and_truth_of_high_resolution() {
         assert!(large.indexed_iter().all(|((v, u, c), &code)| code == own[[v / 10, u / 10, c]]), "{theirs}");
     }
     assert!(bench.path("out/algo_results/method/runtimes").is_dir());
+    // EPINET leaves three scenes out where surfaces mirror light or let it pass.
+    ok(bench.run("export all --for hci --out extra --group additional --names all=kitchen"));
+    let area = read_u8(bench.path("extra/additional_invalid_area/kitchen/input_Cam040_invalid_ver2.png"));
+    assert_eq!(area.dim(), (12, 16, 4));
+    let [mirrors, passes] =
+        ["reflective", "transparent"].map(|name| read_u8(bench.path(format!("all/masks/{name}.png"))));
+    assert!(area.indexed_iter().all(|((v, u, _), &code)| code == mirrors[[v, u, 0]].max(passes[[v, u, 0]])));
     // An estimate is scored in either resolution.
     ok(bench.run(&format!("depth {scene} --out estimate.pfm --runtime seconds.txt --quiet")));
     let seconds: f64 = std::fs::read_to_string(bench.path("seconds.txt")).unwrap().trim().parse().unwrap();

@@ -14,6 +14,7 @@ mod determinism;
 mod develop;
 mod error_chains;
 mod export;
+mod export_plenoptic;
 mod failures;
 mod generate;
 mod help;

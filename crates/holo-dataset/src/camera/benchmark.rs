@@ -6,8 +6,7 @@ mod recorded;
 
 use std::path::Path;
 
-use holo_core::GridSize;
-use holo_io::interop::{BoardCorner, LensletGridModel, Libpleno};
+use holo_io::interop::{LensletGridModel, Libpleno};
 use holo_io::{CameraFile, Folder, Manifest, Sha256};
 use holo_render::Progress;
 use ndarray::{Array3, Axis};
@@ -15,8 +14,7 @@ use ndarray::{Array3, Axis};
 use self::cameras::{ENTRIES, Entry, Tier};
 use self::poses::Poses;
 use self::recorded::Recorder;
-use super::score::{Corner, read_corners};
-use super::target::{BoardPose, TargetJob, transform};
+use super::target::{BoardPose, TargetJob};
 use crate::Error;
 use crate::output::raw::lit_white_image;
 use crate::output::{OutputFolder, Rollback, existing};
@@ -247,18 +245,10 @@ impl CalibrationBenchmark {
                 let text = Libpleno::boards(&STOPS.map(white), &white(1.0), &frames);
                 compote.push((format!("{}_images{noise}.js", poses.name()), text));
             }
-            let board = |pose: &BoardPose| {
-                let placed = transform(pose);
-                let [x, y] = job.on_board(corners.rows - 1, corners.columns - 1);
-                (placed.point([x * square_m, y * square_m, 0.0]), placed.columns)
-            };
             let folder = Folder::open(out)?.sub(&format!("{}/{}", configuration.name(), poses.name()))?;
-            let found: Vec<BoardCorner> =
-                read_corners(&folder, truth)?.iter().map(|corner| found(corner, corners)).collect();
-            let text = Libpleno::features(truth, corners, &found)?;
-            compote.push((format!("{}_true_features.js", poses.name()), text));
-            let boards: Vec<_> = job.poses.iter().flatten().map(board).collect();
-            compote.push((format!("{}_true_poses.js", poses.name()), Libpleno::poses(&boards)));
+            compote.push((format!("{}_true_features.js", poses.name()), job.compote_features(&folder)?));
+            let poses_of_job = job.poses.as_deref().unwrap_or_default();
+            compote.push((format!("{}_true_poses.js", poses.name()), job.compote_poses(poses_of_job)));
         }
         let mut texts = vec![("compote", compote)];
         if truth.array().type_count() == 1 {
@@ -298,18 +288,6 @@ impl Configuration<'_> {
             }
         }
         folder.seal(identity).map(drop)
-    }
-}
-
-/// A corner as COMPOTE detects it.
-fn found(corner: &Corner, corners: GridSize) -> BoardCorner {
-    let [frame, cluster] = corner.cluster;
-    BoardCorner {
-        lens: corner.lens,
-        position_px: corner.position_px.map(|x| x - 0.5),
-        blur_px: corner.blur_px,
-        place: [cluster / corners.columns, cluster % corners.columns],
-        frame,
     }
 }
 

@@ -52,6 +52,19 @@ pub enum Surface {
 }
 
 impl Placement {
+    /// Returns the focal length, in pixels, of images of `columns` pixels whose horizontal angle of view is `angle_rad`.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`] unless the angle is above 0 and below a half turn.
+    pub fn focal_px(columns: usize, angle_rad: f64) -> Result<f64, Error> {
+        match angle_rad > 0.0 && angle_rad < TAU / 2.0 {
+            true => Ok(columns as f64 / (2.0 * (angle_rad / 2.0).tan())),
+            false => Err(Error::BadRequest(
+                "camera placement: the angle of view must be above 0 and below 180 degrees".into(),
+            )),
+        }
+    }
+
     /// Returns the cameras, `camera_0000` and so on.
     ///
     /// # Errors

@@ -192,7 +192,7 @@ impl TargetJob {
     }
 
     /// The poses, or five around the focus.
-    fn validated_poses(&self) -> Result<Vec<BoardPose>, Error> {
+    pub(crate) fn validated_poses(&self) -> Result<Vec<BoardPose>, Error> {
         let bad = |what: &str| Err(Error::BadRequest(what.into()));
         if self.corners.count() == 0 || self.corners.larger() > 1000 {
             return bad("a checkerboard has 1 to 1000 inner corners along each side");

@@ -15,6 +15,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     help: "BasicLFSR: .mat files for super-resolution",
     usage: "Generate_Data_for_Training.py takes the folder `datasets` as --src_data_path.",
     has_groups: true,
+    has_objects: false,
     writer: Writer::Fields { write, check: unchecked },
 };
 

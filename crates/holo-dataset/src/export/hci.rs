@@ -2,7 +2,7 @@
 //!
 //! | target | files |
 //! |---|---|
-//! | `hci` | `OUT/<group>/<scene>/`: `input_Cam000.png` on, `gt_disp_lowres.pfm`, `gt_depth_lowres.pfm`, `parameters.cfg`, and `valid_mask.png`, 255 where the central view hits something; truth of all views and of high resolution where it was rendered |
+//! | `hci` | `OUT/<group>/<scene>/`: `input_Cam000.png` on, `gt_disp_lowres.pfm`, `gt_depth_lowres.pfm`, `parameters.cfg`, and `valid_mask.png`, 255 where the central view hits something; truth of all views and of high resolution where it was rendered; `OUT/additional_invalid_area/` for the three scenes whose masks EPINET reads |
 //! | `hci-toolkit` | `OUT/data/<group>/<scene>/`: the same, with truth of high resolution and the masks of the scores in both resolutions; `OUT/algo_results/method/` with `disp_maps` and `runtimes`, for results |
 
 use holo_core::{GridSize, LightFieldOwned};
@@ -25,11 +25,17 @@ const SCENES: usize = 16;
 
 const GROUP: &str = "training";
 
+/// The group, and the scenes of it, of which EPINET and its relatives read where truth is not what views show.
+const ADDITIONAL: &str = "additional";
+const WITH_INVALID_AREA: [&str; 3] = ["kitchen", "museum", "vinyl"];
+const INVALID_AREA: &str = "additional_invalid_area";
+
 pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "hci",
     help: "EPINET, LFattNet, SubFocal, OACC-Net, DistgDisp, LF2Disp: folders of the HCI benchmark",
     usage: "Readers take the folder that contains the group, `training` unless another was given, as their dataset.",
     has_groups: true,
+    has_objects: false,
     writer: Writer::Fields { write: write_scene, check },
 };
 
@@ -39,6 +45,7 @@ pub(super) const TOOLKIT: ExportTarget = ExportTarget {
     usage: "The toolkit takes `data` and `algo_results` in place of its own. A method writes disp_maps/SCENE.pfm and \
             runtimes/SCENE.txt, seconds.",
     has_groups: true,
+    has_objects: false,
     writer: Writer::Fields { write: write_for_toolkit, check: super::unchecked },
 };
 
@@ -72,7 +79,27 @@ impl MoreTruth {
 
 fn write_scene(folder: &mut OutputFolder, loaded: &LoadedField, job: &ExportJob) -> Result<(), Error> {
     let more = MoreTruth::read(loaded)?;
-    write(folder, loaded, &job.scene_folder(GROUP, &loaded.name), GROUP, &more)
+    write(folder, loaded, &job.scene_folder(GROUP, &loaded.name), GROUP, &more)?;
+    match job.group.as_deref() == Some(ADDITIONAL) && WITH_INVALID_AREA.contains(&loaded.name.as_str()) {
+        true => write_invalid_area(folder, loaded),
+        false => Ok(()),
+    }
+}
+
+/// Writes what EPINET leaves out of its training: alpha is not 0 where the surface mirrors light or lets it pass.
+fn write_invalid_area(folder: &mut OutputFolder, loaded: &LoadedField) -> Result<(), Error> {
+    let regions = loaded.regions.iter().filter(|(name, _)| ["reflective", "transparent"].contains(&name.as_str()));
+    let masks: Vec<&Array2<bool>> = regions.map(|(_, mask)| mask).collect();
+    let lenses = loaded.field.shape().lenses();
+    let is_invalid = |v: usize, u: usize| masks.iter().any(|mask| mask[[v, u]]);
+    let code = |(v, u, _)| if is_invalid(v, u) { 255_u8 } else { 0 };
+    let rgba = Array3::from_shape_fn((lenses.rows, lenses.columns, 4), code);
+    let inner = format!("{INVALID_AREA}/{}", loaded.name);
+    folder.subfolder(&inner)?;
+    let name = format!("{inner}/input_Cam040_invalid_ver2.png");
+    let written = holo_io::write_png(folder.file(&name), rgba.view(), ColorEncoding::Srgb, Compression::Fast)?;
+    folder.add(name, written);
+    Ok(())
 }
 
 fn write_for_toolkit(folder: &mut OutputFolder, loaded: &LoadedField, job: &ExportJob) -> Result<(), Error> {

@@ -14,6 +14,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     help: "JPEG Pleno: coders that read TTT_SSS.ppm",
     usage: "Coders take the folder of a scene; the first number is the row of the view, the second its column.",
     has_groups: false,
+    has_objects: false,
     writer: Writer::Fields { write, check: unchecked },
 };
 

@@ -15,6 +15,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     help: "LFASR-geometry: HDF5 files for view synthesis, all light fields in one",
     usage: "train.py takes train.h5 as its dataset, test_pretrained.py takes test.h5.",
     has_groups: false,
+    has_objects: false,
     writer: Writer::Joined(write),
 };
 

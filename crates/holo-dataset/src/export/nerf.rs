@@ -27,6 +27,7 @@ pub(super) const NERF: ExportTarget = ExportTarget {
     help: "3D Gaussian splatting, instant-ngp, NeRF: transforms_train.json and transforms_test.json",
     usage: "Programs take this folder as their source (`train.py -s` of 3D Gaussian splatting).",
     has_groups: false,
+    has_objects: false,
     writer: Writer::Posed(CameraLists { check: check_splits, write: write_splits }),
 };
 
@@ -35,6 +36,7 @@ pub(super) const NERFSTUDIO: ExportTarget = ExportTarget {
     help: "nerfstudio: transforms.json with intrinsics, and points",
     usage: "ns-train takes this folder as --data.",
     has_groups: false,
+    has_objects: false,
     writer: Writer::Posed(CameraLists { check: |_| Ok(()), write: write_list }),
 };
 

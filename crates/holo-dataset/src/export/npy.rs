@@ -12,6 +12,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     help: "numpy: one array a scene, views first",
     usage: "numpy.load(\"SCENE.npy\") has the axes (view row, view column, row, column, channel).",
     has_groups: false,
+    has_objects: false,
     writer: Writer::Fields { write, check: unchecked },
 };
 

@@ -12,6 +12,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     help: "plenpy and the Light Field Toolbox: .mat files with LF, 0 to 255",
     usage: "LightField.from_mat_file(\"SCENE.mat\", key=\"LF\") of plenpy, or load SCENE.mat in MATLAB.",
     has_groups: false,
+    has_objects: false,
     writer: Writer::Fields { write, check: unchecked },
 };
 

@@ -1,17 +1,24 @@
 //! The light fields of an export: those of a dataset, or one.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use holo_core::Rig;
 use holo_core::{DynLightField, GridSize, LightFieldOwned};
 use holo_io::dataset::{DISPARITY_PFM, DatasetCamera, DatasetIndex, HCI_FOLDER, HIT_MASK_PNG, MANIFEST_JSON};
-use holo_io::{HciFolder, HciQuantity, HciResolution, LightFieldReader, Limits, ReadOptions};
+use holo_io::{HciFolder, HciQuantity, HciResolution, LightFieldReader, Limits, Manifest, ManifestValue, ReadOptions};
 use holo_render::exposure;
 use ndarray::Array2;
 
 use crate::Error;
 use crate::describe::{is_dataset, shots_of};
 use crate::score::{Objects, RegionMask, mask_files, read_mask};
+
+/// The numbers of what the central view sees, from 1.
+const OBJECT_IDS: &str = "scene_object_id.pfm";
+
+/// The objects that a message names at most.
+const SHOWN_OBJECTS: usize = 12;
 
 /// A light field that is not read yet.
 pub(super) struct SourceField {
@@ -164,6 +171,49 @@ impl LoadedField {
     /// The folder of the HCI benchmark that the light field is, or has.
     pub fn hci_folder(&self) -> Option<HciFolder> {
         hci_folder(&self.path)
+    }
+
+    /// Where the central view sees one of the objects.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`] if its objects are not known, or it sees none of these; the message names those that it sees.
+    pub fn sees(&self, objects: &[String]) -> Result<Array2<bool>, Error> {
+        let map = self.path.join(OBJECT_IDS);
+        let names = match map.is_file() {
+            true => Manifest::read(self.path.join(MANIFEST_JSON))?.settings.remove("objects"),
+            false => None,
+        };
+        let Some(ManifestValue::List(names)) = names else {
+            return Err(self.lacks("it has no numbers of objects", "render it with `layers` depth,disparity,object-id"));
+        };
+        // 0 is what is not hit; what has no name is named by its number.
+        let name = |id: f32| match names.get((id as usize).wrapping_sub(1)) {
+            Some(ManifestValue::Text(name)) if !name.is_empty() => name.clone(),
+            Some(_) => format!("object-{id}"),
+            None => String::new(),
+        };
+        let is_chosen = |name: &str| {
+            objects.iter().any(|object| match object.strip_suffix('*') {
+                Some(start) => !name.is_empty() && name.starts_with(start),
+                None => name == object,
+            })
+        };
+        let ids = holo_io::read_pfm_gray(&map, &Limits::default())?;
+        let mask = ids.mapv(|id| is_chosen(&name(id)));
+        if mask.iter().any(|is_in| *is_in) {
+            return Ok(mask);
+        }
+        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+        ids.iter().for_each(|id| *counts.entry(name(*id)).or_default() += 1);
+        let mut seen: Vec<_> = counts.into_iter().filter(|(name, _)| !name.is_empty()).collect();
+        seen.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        let share = |(name, count): &(String, usize)| {
+            format!("{} ({:.0} %)", holo_core::shown(name), 100.0 * *count as f64 / ids.len() as f64)
+        };
+        let seen: Vec<String> = seen.iter().take(SHOWN_OBJECTS).map(share).collect();
+        let what =
+            if objects.is_empty() { "masks show chosen objects" } else { "the central view sees none of `objects`" };
+        Err(self.lacks(what, &format!("choose `objects` among {}", seen.join(", "))))
     }
 
     /// The error that this light field lacks something.

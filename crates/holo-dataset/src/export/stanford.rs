@@ -15,6 +15,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     help: "readers of the Stanford gantry: one PNG a view, with its position in its name",
     usage: "Readers take the folder of a scene; LFReadGantryArray of the Light Field Toolbox is one of them.",
     has_groups: false,
+    has_objects: false,
     writer: Writer::Fields { write, check: unchecked },
 };
 

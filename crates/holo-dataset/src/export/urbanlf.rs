@@ -19,6 +19,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     help: "readers of UrbanLF-Syn: folders Image1 on, without labels of classes",
     usage: "Readers take the folder `UrbanLF_Syn`; Image1 is the first scene.",
     has_groups: false,
+    has_objects: false,
     writer: Writer::Fields { write, check },
 };
 

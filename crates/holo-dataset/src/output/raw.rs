@@ -20,7 +20,7 @@ use crate::settings::{Exposure, Output, RawLayer, RenderSettings};
 
 /// The files of a raw image.
 pub(crate) const CAMERA_TOML: &str = "camera.toml";
-const RAW_EXR: &str = "raw.exr";
+pub(crate) const RAW_EXR: &str = "raw.exr";
 const RAW_PNG: &str = "raw_linear.png";
 const RAW_HIT_MASK: &str = "raw_hit_mask.png";
 pub(crate) const CENTERS_CSV: &str = "centers.csv";
@@ -51,7 +51,7 @@ pub(crate) fn write_all(
         }
         let color = image(color)?;
         for tool in &settings.output.tools {
-            tool.write(&mut folder, camera, color.view(), &white, ev)?;
+            tool.write((&mut folder, ""), camera, color.view(), &white, ev)?;
         }
         drop(white);
         if outputs.contains(&Output::Raw) {
@@ -167,7 +167,7 @@ pub(crate) fn write_raw(
 }
 
 /// The exposure of raw color.
-fn exposure_ev(color: &Array3<f32>, wanted: Exposure) -> Result<f64, Error> {
+pub(crate) fn exposure_ev(color: &Array3<f32>, wanted: Exposure) -> Result<f64, Error> {
     if let Exposure::Ev(ev) = wanted {
         return Ok(ev);
     }

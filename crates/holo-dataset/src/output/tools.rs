@@ -85,17 +85,19 @@ impl Tool {
         self.texts(camera).map(drop).map_err(|why| Error::BadRequest(format!("`for {}`: {why}", self.name())))
     }
 
-    /// Writes its folder: `color` and `white` in linear light, with the exposure that makes codes of 16 bits of the color.
+    /// Writes its folder below `inner`, a folder with `/` at its end, or "": `color` and `white` in linear light, with the
+    /// exposure that makes codes of 16 bits of the color.
     pub(crate) fn write(
         self,
-        folder: &mut OutputFolder,
+        (folder, inner): (&mut OutputFolder, &str),
         camera: &PlenopticCamera,
         color: ArrayView3<f32>,
         white: &Array2<f32>,
         exposure_ev: f64,
     ) -> Result<(), Error> {
-        let name = |file: &str| format!("{}/{file}", self.name());
-        folder.subfolder(self.name())?;
+        let own = format!("{inner}{}", self.name());
+        let name = |file: &str| format!("{own}/{file}");
+        folder.subfolder(&own)?;
         for (file, text) in self.texts(camera).map_err(refused)? {
             if let Some((parent, _)) = file.rsplit_once('/') {
                 folder.subfolder(&name(parent))?;
@@ -213,7 +215,7 @@ fn refused(why: holo_io::Error) -> Error {
 }
 
 /// The cameras of white images for libpleno, with the names of these.
-fn stopped(camera: &PlenopticCamera) -> Result<Vec<(String, PlenopticCamera)>, holo_io::Error> {
+pub(crate) fn stopped(camera: &PlenopticCamera) -> Result<Vec<(String, PlenopticCamera)>, holo_io::Error> {
     let stop = |factor: f64| {
         let f_number = camera.main_lens().f_number * factor;
         let lens = camera.main_lens().with_f_number(f_number);

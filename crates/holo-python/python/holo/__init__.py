@@ -20,7 +20,14 @@ from . import _embree
 _embree.find()
 
 from ._holo import PlenopticCamera, Rig, __version__  # noqa: E402
-from .camera_array import CameraArray, Correspondences, DepthEstimate, Pinhole, SynthesizedImage  # noqa: E402
+from .camera_array import (  # noqa: E402
+    CameraArray,
+    Correspondences,
+    DepthEstimate,
+    Pinhole,
+    SynthesizedImage,
+    place_cameras,
+)
 from .dataset import Dataset, Job  # noqa: E402
 from .display import Display  # noqa: E402
 from .errors import Error, HoloWarning, OutOfMemoryError, UsageError  # noqa: E402
@@ -78,6 +85,7 @@ __all__ = [
     "export_targets",
     "open",
     "optics",
+    "place_cameras",
     "read_image",
     "render",
     "render_raw",

@@ -186,8 +186,15 @@ def write_hci(
     disparity_px: NDArray[np.float32] | None,
     depth_m: NDArray[np.float32] | None,
 ) -> None: ...
+def place_cameras(request: dict[str, Any], out: Path, up: str) -> int: ...
 def export(
-    input: Path, target: str, out: Path, views: Size | None, group: str | None, names: list[tuple[str, str]]
+    input: Path,
+    target: str,
+    out: Path,
+    views: Size | None,
+    group: str | None,
+    names: list[tuple[str, str]],
+    objects: list[str],
 ) -> tuple[list[str], list[str]]: ...
 def export_targets() -> list[tuple[str, str]]: ...
 def calibration_benchmark(

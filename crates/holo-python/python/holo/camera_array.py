@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import pathlib
 from typing import NamedTuple
 
 import numpy as np
@@ -55,6 +56,58 @@ class Pinhole(NamedTuple):
     focal_px: float
     size: tuple[int, int]
     principal_point: tuple[float, float]
+
+
+def place_cameras(
+    surface: str,
+    count: int | tuple[int, int],
+    out: str | os.PathLike = "transforms.json",
+    *,
+    spacing_m: float | tuple[float, float] = 0.1,
+    radius_m: float = 1.0,
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    span_deg: float = 360.0,
+    elevation_deg: tuple[float, float] = (0.0, 80.0),
+    size: tuple[int, int] = (800, 800),
+    fov_deg: float = 40.0,
+    jitter_position_m: float = 0.0,
+    jitter_rotation_deg: float = 0.0,
+    jitter_focal: float = 0.0,
+    jitter_gain: float = 0.0,
+    jitter_color: float = 0.0,
+    jitter_time_s: float = 0.0,
+    seed: int = 0,
+    transforms_up: str = "z",
+) -> pathlib.Path:
+    """Places cameras on a "plane", a "cylinder" or a "sphere" around a target, as `holo array` does; returns the file, which
+    `render_to(transforms=...)` takes.
+
+    count: cameras in one row, or (rows, columns); on a sphere their number. spacing_m: between neighbors along rows, or (along rows,
+    along columns); of a cylinder between rows. radius_m: distance from the target, which lies in the world of glTF (+Y up). span_deg:
+    the angle of a cylinder. elevation_deg: lowest and highest on a sphere. size: rows and columns of every image. fov_deg: its
+    horizontal angle of view. jitter_position_m, jitter_rotation_deg, jitter_focal, jitter_gain, jitter_color: standard deviations,
+    of lengths along and about each axis, the last three relative; jitter_time_s: cameras see a moving scene up to so much later. The
+    file has what came of them and the seed. transforms_up: the axis that points up in the world of the file.
+    """
+    if surface == "sphere" and not isinstance(count, int):
+        raise UsageError("count of a sphere is one number: its cameras are in no rows")
+    along, down = spacing_m if isinstance(spacing_m, tuple) else (spacing_m, spacing_m)
+    jitter = [jitter_position_m, math.radians(jitter_rotation_deg), jitter_focal, jitter_gain, jitter_color, jitter_time_s]
+    request = {
+        "surface": surface,
+        "count": (1, count) if isinstance(count, int) else count,
+        "spacing_m": [along, down],
+        "span_rad": math.radians(span_deg),
+        "elevation_rad": [math.radians(angle) for angle in elevation_deg],
+        "target_m": list(target),
+        "radius_m": radius_m,
+        "size": size,
+        "angle_rad": math.radians(fov_deg),
+        "jitter": jitter,
+        "seed": seed,
+    }
+    _holo.place_cameras(request, pathlib.Path(out), transforms_up)
+    return pathlib.Path(out)
 
 
 class CameraArray:

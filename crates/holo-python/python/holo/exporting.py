@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import pathlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from . import _holo
 from ._options import tell
@@ -23,16 +23,19 @@ def export(
     views: int | tuple[int, int] | None = None,
     group: str | None = None,
     names: Mapping[str, str] | None = None,
+    objects: Iterable[str] = (),
 ) -> list[pathlib.Path]:
     """Writes a light field, or those of a dataset, as the files that another program reads, as `holo export` does.
 
-    input: a dataset of `holo dataset`, or a folder or file with one light field. target: one of `export_targets()`. out: an
-    empty or missing folder. views: those of a dataset that has several numbers of them, one number or (rows, columns).
+    input: a dataset of `holo dataset`, a folder or file with one light field, or a folder of raw images or boards. target:
+    one of `export_targets()`. out: an empty or missing folder. views: those of a dataset that has several numbers of them, one number or (rows, columns).
     group: the folder of the scenes, where readers expect one. names: other names of scenes, such as {"chess": "boxes"}.
+    objects: what masks show, by the names of `Scene.objects`; "ball*" is all that begin so.
 
     Returns the files. A target that needs what the light fields do not have is a UsageError.
     """
     views = (views, views) if isinstance(views, int) else views
-    files, lines = _holo.export(pathlib.Path(input), target, pathlib.Path(out), views, group, list((names or {}).items()))
+    pairs = list((names or {}).items())
+    files, lines = _holo.export(pathlib.Path(input), target, pathlib.Path(out), views, group, pairs, list(objects))
     tell(lines)
     return [pathlib.Path(out) / name for name in files]

@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
-use holo_core::Pinhole;
 use holo_core::refocus::{FocalPlane, FocalSurface};
-use holo_dataset::{ArrayViewpoint, correspondences, estimate_depth, synthesize_from_array, synthetic_aperture};
+use holo_core::{CameraJitter, GridSize, Pinhole};
+use holo_dataset::{
+    ArrayViewpoint, Placement, Surface, correspondences, estimate_depth, jittered, synthesize_from_array,
+    synthetic_aperture,
+};
 use holo_io::{ArrayFolder, Limits, WorldUp};
 use ndarray::Array3;
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2};
@@ -19,6 +22,48 @@ use crate::options;
 pub struct CameraFolder {
     array: ArrayFolder,
 }
+
+/// Where cameras stand, and how they deviate from it.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct PlacementRequest {
+    surface: String,
+    count: (usize, usize),
+    spacing_m: [f64; 2],
+    span_rad: f64,
+    elevation_rad: [f64; 2],
+    target_m: [f64; 3],
+    radius_m: f64,
+    size: (usize, usize),
+    angle_rad: f64,
+    jitter: [f64; 6],
+    seed: u64,
+}
+
+/// Writes the cameras of a placement; returns their number.
+#[pyfunction]
+pub fn place_cameras(request: PlacementRequest, out: PathBuf, up: &str) -> Result<usize, Failure> {
+    let count = GridSize::new(request.count.0, request.count.1);
+    let span_rad = request.span_rad;
+    let surfaces = [
+        ("plane", Surface::Plane { count, spacing_m: request.spacing_m }),
+        ("cylinder", Surface::Cylinder { count, span_rad, spacing_m: request.spacing_m[0] }),
+        ("sphere", Surface::Sphere { count: count.count(), elevation_rad: request.elevation_rad }),
+    ];
+    let surface = options::choice("surface", &request.surface, &surfaces)?;
+    let (target_m, radius_m) = (request.target_m, request.radius_m);
+    let size = GridSize::new(request.size.0, request.size.1);
+    let focal_px = Placement::focal_px(size.columns, request.angle_rad)?;
+    let meant = Placement { surface, target_m, radius_m, size, focal_px }.cameras()?;
+    let [position_m, rotation_rad, focal, gain, color, time_s] = request.jitter;
+    let jitter = CameraJitter { position_m, rotation_rad, focal, gain, color, time_s };
+    let array = jittered(meant, &jitter, request.seed)?;
+    array.write(&out, options::choice("transforms_up", up, WORLD_UPS)?)?;
+    Ok(array.cameras.len())
+}
+
+/// Axes of the world that may point up.
+const WORLD_UPS: &[(&str, WorldUp)] = &[("z", WorldUp::Z), ("y", WorldUp::Y)];
 
 /// Where a view stands and what it looks at, and what is up in it.
 type Viewpoint = (Option<[f64; 3]>, Option<[f64; 3]>, Option<[f64; 3]>);
@@ -50,7 +95,7 @@ type Estimated<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<f32>>, usi
 impl CameraFolder {
     #[new]
     fn open(py: Python<'_>, folder: PathBuf, up: &str) -> Result<Self, Failure> {
-        let up = options::choice("transforms_up", up, &[("z", WorldUp::Z), ("y", WorldUp::Y)])?;
+        let up = options::choice("transforms_up", up, WORLD_UPS)?;
         Ok(Self { array: py.detach(|| ArrayFolder::open(folder, up))? })
     }
 
