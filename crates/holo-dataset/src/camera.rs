@@ -24,6 +24,7 @@ pub use self::benchmark::{BenchmarkSize, CalibrationBenchmark};
 pub use self::calibrate::{Calibrated, KnownCamera};
 pub use self::decode::{DecodeJob, write_white_images};
 pub use self::develop::{DemosaicMethod, DevelopJob, DevelopOutput, Developed, write_demosaiced};
+pub use self::linear_image::{camera_of_raw, read_raw, read_white};
 pub use self::optics::{camera_optics, planned_rig, rig_optics};
 pub use self::placement::{Placement, Surface, jittered};
 pub use self::quantity::{NamedQuantity, QuantityValue};

@@ -215,11 +215,8 @@ impl ExportJob {
     /// Refuses groups and objects that the target has not, and names that are none of folders.
     fn check_names(&self) -> Result<(), Error> {
         let (is_grouped, has_chosen) = (self.group.is_some(), !self.objects.is_empty());
-        let kinds: [(_, _, _, fn(&ExportTarget) -> bool); 2] = [
-            ("group", is_grouped, "groups", |target| target.has_groups),
-            ("objects", has_chosen, "masks of objects", |target| target.has_objects),
-        ];
-        for (key, is_given, what, has) in kinds {
+        for (key, is_given, what) in [("group", is_grouped, "groups"), ("objects", has_chosen, "masks of objects")] {
+            let has = |target: &ExportTarget| if key == "group" { target.has_groups } else { target.has_objects };
             if is_given && !has(self.target) {
                 let others: Vec<&str> =
                     EXPORT_TARGETS.iter().filter(|target| has(target)).map(|target| target.name).collect();

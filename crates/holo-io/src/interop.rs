@@ -12,7 +12,7 @@ use holo_core::plenoptic::{MicrolensIndex, PlenopticCamera};
 
 pub use lftoolbox::LensletGridModel;
 pub use libpleno::{BoardCorner, Libpleno};
-pub use lytro::LytroModel;
+pub use lytro::{LytroImage, LytroModel};
 pub use pip::pip_configuration;
 pub use plenopticam::plenopticam_calibration;
 pub use plenpy::plenpy_files;

@@ -105,21 +105,26 @@ impl Reader {
     }
 }
 
-/// Writes the light fields of a dataset, a folder or a file for another program; returns the names of the files, and
-/// diagnostics.
-#[pyfunction]
-pub fn export(
-    py: Python<'_>,
+/// What is exported, for what, and where to.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct ExportRequest {
     input: PathBuf,
-    target: &str,
+    target: String,
     out: PathBuf,
     views: Option<Size>,
     group: Option<String>,
     names: Vec<(String, String)>,
     objects: Vec<String>,
-) -> Result<Told<Vec<String>>, Failure> {
+}
+
+/// Writes the light fields of a dataset, a folder or a file for another program; returns the names of the files, and
+/// diagnostics.
+#[pyfunction]
+pub fn export(py: Python<'_>, request: ExportRequest) -> Result<Told<Vec<String>>, Failure> {
+    let ExportRequest { input, target, out, views, group, names, objects } = request;
     let choices: Vec<(&str, &ExportTarget)> = EXPORT_TARGETS.iter().map(|target| (target.name, target)).collect();
-    let target = options::choice("target", target, &choices)?;
+    let target = options::choice("target", &target, &choices)?;
     let views = views.map(|(rows, columns)| GridSize::new(rows, columns));
     let job = ExportJob::new(input, target).views(views).group(group).names(names).objects(objects);
     let run = |tell: &dyn Diagnostics| Ok(job.run(out, &Rollback::default(), tell)?.files);

@@ -66,6 +66,7 @@ fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(score::compare, module)?,
         wrap_pyfunction!(cameras::sensor::develop, module)?,
         wrap_pyfunction!(cameras::sensor::demosaic, module)?,
+        wrap_pyfunction!(cameras::sensor::read_white, module)?,
         wrap_pyfunction!(cameras::sensor::names, module)?,
     ];
     functions.into_iter().try_for_each(|function| module.add_function(function))

@@ -2,6 +2,8 @@
 
 import json
 import pickle
+import subprocess
+import sys
 
 import holo
 import numpy as np
@@ -268,7 +270,7 @@ def test_cameras_are_placed_as_on_the_command_line(tmp_path):
     jitter = dict(jitter_position_m=0.01, jitter_focal=0.02, seed=3)
     path = holo.place_cameras("plane", (2, 3), tmp_path / "poses.json", spacing_m=(0.2, 0.1), target=(0, 0.5, 0), size=(40, 60), **jitter)
     line = "array plane --count 3x2 --spacing-m 0.2,0.1 --target 0,0.5,0 --size 60x40 --jitter-position-m 0.01 --jitter-focal 0.02 --seed 3"
-    run(*line.split(), "--out", tmp_path / "own.json")
+    subprocess.run([sys.executable, "-m", "holo", *line.split(), "--out", tmp_path / "own.json"], check=True)
     assert path.read_text() == (tmp_path / "own.json").read_text()
     ring = json.loads(holo.place_cameras("sphere", 5, tmp_path / "ring.json", radius_m=2.0, transforms_up="y").read_text())
     places = np.array([frame["transform_matrix"] for frame in ring["frames"]])[:, :3, 3]

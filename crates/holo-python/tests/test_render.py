@@ -306,3 +306,59 @@ def test_missing_memory_is_a_memory_error(garden):
 def test_the_calibration_benchmark_names_its_cameras(tmp_path):
     with pytest.raises(holo.UsageError, match="r12-d"):
         holo.calibration_benchmark(tmp_path / "out", cameras=["r13"])
+
+
+def test_lytro_files_are_those_that_imageio_reads(tmp_path):
+    """A container of an Illum as imageio reads it: its codes, and what they decode to."""
+    imageio = pytest.importorskip("imageio.v2")
+    rows, columns = 5368, 7728
+    camera = holo.PlenopticCamera.open("lytro-illum")
+    squares = (np.arange(rows)[:, None] // 500 + np.arange(columns) // 500) % 2
+    white = camera.white_image()
+    light = np.where(squares, np.float32(0.3), np.float32(0.8)) * (white / white.max())
+    codes = np.rint(64 + 959 * light).astype(np.uint16)
+    groups = codes.reshape(-1, 4)
+    low = sum((groups[:, k] & 3) << (2 * k) for k in range(4))
+    packed = np.stack([*(groups[:, k] >> 2 for k in range(4)), low], axis=1).astype(np.uint8).tobytes()
+
+    def section(kind, name=b"", data=b""):
+        out = b"\x89LF" + kind + b"\r\n\x1a\n\0\0\0" + bytes([kind == b"P"]) + len(data).to_bytes(4, "big")
+        if data:
+            out += name.ljust(80, b"\0") + data
+            out += b"\0" * (-len(out) % 16)
+        return out
+
+    def name(number):
+        return b"sha1-" + f"{number:040x}".encode()
+
+    every = lambda code: {"r": code, "gr": code, "gb": code, "b": code}  # noqa: E731
+    metadata = {
+        "image": {"width": columns, "height": rows, "pixelPacking": {"endianness": "little", "bitsPerPixel": 10},
+                  "pixelFormat": {"black": every(64), "white": every(1023)}, "mosaic": {"upperLeftPixel": "gr"},
+                  "color": {"ccm": [1, 0, 0, 0, 1, 0, 0, 0, 1], "whiteBalanceGain": every(1)}},
+        "devices": {"sensor": {"pixelPitch": 1.4e-6},
+                    "lens": {"focalLength": 24.199e-3, "fNumber": 2.2, "exitPupilOffset": {"z": 97.2856e-3}},
+                    "mla": {"lensPitch": 20e-6, "rotation": -0.000543, "scaleFactor": {"x": 1, "y": 1.000343},
+                            "sensorOffset": {"x": 8.42e-6, "y": -0.95e-6, "z": 37e-6}}},
+        "camera": {"model": "ILLUM"},
+    }  # fmt: skip
+    frame = {"imageRef": name(2).decode(), "metadataRef": name(3).decode(), "privateMetadataRef": name(4).decode()}
+    table = json.dumps({"frames": [{"frame": frame}], "thumbnails": []}).encode()
+    parts = [section(b"P"), section(b"C", name(2), packed)]
+    parts += [section(b"C", name(3), json.dumps(metadata).encode()), section(b"C", name(4), b"{}")]
+    # An Illum has eleven sections of data, and their table after them.
+    parts += [*(section(b"C", name(k), b"-") for k in range(5, 13)), section(b"M", name(1), table)]
+    path = tmp_path / "shot.lfr"
+    path.write_bytes(b"".join(parts))
+    theirs = imageio.imread(path, format="lytro-lfr", include_thumbnail=False)
+    assert np.array_equal(np.rint(theirs * 1023), codes)
+    found = holo.decode(path, views=3)
+    assert found.light_field.views == (3, 3)
+    gray = (codes.astype(np.float32) - 64) / 959
+    own = holo.decode(np.repeat(gray[..., None], 3, axis=2), camera, views=3)
+    view, expected = found.light_field[1, 1], own.light_field[1, 1]
+    lit = np.isfinite(view) & np.isfinite(expected)
+    # All colors are equal, but at the edges of the squares, where neighbors of a color differ.
+    assert np.median(np.abs(view - expected)[lit]) < 2e-3 and np.mean(np.abs(view - expected)[lit] > 0.02) < 0.05
+    with pytest.raises(holo.UsageError, match="camera"):
+        holo.decode(np.zeros((4, 4, 3), np.float32))

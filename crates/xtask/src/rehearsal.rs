@@ -155,7 +155,10 @@ fn wheel() -> Result<Found> {
     }
     let python = process::python()?;
     let source = root().join("crates/holo-python");
-    process::run(Command::new(python).args(["-m", "pip", "wheel", "--no-deps", "-w"]).arg(&wheels).arg(source))?;
+    // The name of the wheel says which systems it runs on, by the symbols that it needs.
+    let mut build = Command::new(python);
+    build.env("MATURIN_PEP517_ARGS", "--compatibility pypi").args(["-m", "pip", "wheel", "--no-deps", "-w"]);
+    process::run(build.arg(&wheels).arg(source))?;
     process::run(Command::new(python).args(["-m", "venv"]).arg(&place))?;
     let inside = place.join("bin").join("python");
     let file = only_file(&wheels)?;

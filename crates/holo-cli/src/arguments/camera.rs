@@ -128,12 +128,13 @@ pub struct CalibrationBenchmarkOptions {
 #[derive(Args, Debug)]
 pub struct DecodeOptions {
     /// The raw image: raw.exr, or a PNG in linear light such as raw_linear.png, whose views are then relative to its
-    /// brightest code; or the folder of either.
+    /// brightest code; the folder of either; or .lfp, .lfr, .raw of a Lytro camera.
     pub raw: PathBuf,
-    /// The white image [default: computed from the camera].
+    /// The white image, also MOD_NNNN.RAW of a Lytro camera [default: computed from the camera].
     #[arg(long, value_name = "FILE")]
     pub white: Option<PathBuf>,
-    /// Plenoptic camera: a camera file (TOML), or a preset of `holo camera` [default: camera.toml beside the raw image].
+    /// Plenoptic camera: a camera file (TOML), or a preset of `holo camera` [default: camera.toml beside the raw image, or that
+    /// of the Lytro's metadata].
     #[arg(long, value_name = "FILE|PRESET")]
     pub camera_file: Option<String>,
     /// Of a focused camera: the depth of the pixels of the raw image, such as raw_depth.pfm [default: an estimate].

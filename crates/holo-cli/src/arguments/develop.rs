@@ -62,10 +62,10 @@ pub struct DemosaicOptions {
     /// The image: .exr, .pfm, or .png of 16 bits in linear light.
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// How the missing colors are found.
-    #[arg(long, default_value = "malvar", value_parser = choice(DEMOSAIC))]
-    pub method: DemosaicArgument,
-    /// The plenoptic camera, for `--method micro-images`.
+    /// How the missing colors are found [default: malvar; with a camera micro-images].
+    #[arg(long, value_parser = choice(DEMOSAIC))]
+    pub method: Option<DemosaicArgument>,
+    /// The plenoptic camera whose micro-images do not mix.
     #[arg(long, value_name = "FILE|PRESET")]
     pub camera_file: Option<String>,
     /// Print no summary.

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use holo_core::plenoptic::{MicrolensGrid, presets};
 use holo_dataset::{
-    Calibrated, DecodeJob, KnownCamera, SceneSource, TargetJob, calibration_score, read_poses, text, write_white_images,
+    Calibrated, DecodeJob, KnownCamera, SceneSource, TargetJob, calibration_score, camera_of_raw, read_poses, text,
+    write_white_images,
 };
 use holo_io::dataset::{CAMERA_TOML, RAW_EXR, RAW_PNG};
 use holo_io::{CameraFile, ColorEncoding, Compression};
@@ -108,7 +109,10 @@ pub fn decode(options: &DecodeOptions) -> Result<(), Failure> {
     let raw = if options.raw.is_dir() { raw_image_in(&options.raw)? } else { options.raw.clone() };
     let camera = match &options.camera_file {
         Some(camera) => open_camera(camera)?,
-        None => camera_beside(&raw)?,
+        None => match camera_of_raw(&raw)? {
+            Some(camera) => camera,
+            None => camera_beside(&raw)?,
+        },
     };
     let mut job = DecodeJob::new(raw, camera);
     job.white.clone_from(&options.white);

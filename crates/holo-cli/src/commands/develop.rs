@@ -1,6 +1,6 @@
 //! `holo develop` and `holo demosaic`: from light to the codes of a sensor, and from a mosaic to color.
 
-use holo_core::sensor::ElectronsAtOne;
+use holo_core::sensor::{Demosaic, ElectronsAtOne};
 use holo_dataset::{DemosaicMethod, DevelopJob, text, write_demosaiced};
 
 use crate::arguments::{DemosaicArgument, DemosaicOptions, DevelopOptions, open_camera};
@@ -38,10 +38,17 @@ pub fn run(options: &DevelopOptions) -> Result<(), Failure> {
 
 pub fn demosaic(options: &DemosaicOptions) -> Result<(), Failure> {
     let method = match (options.method, options.camera_file.as_deref()) {
-        (DemosaicArgument::Plain(method), _) => DemosaicMethod::Plain(method),
-        (DemosaicArgument::MicroImages, Some(camera)) => DemosaicMethod::MicroImages(Box::new(open_camera(camera)?)),
-        (DemosaicArgument::MicroImages, None) => {
+        (None, None) => DemosaicMethod::Plain(Demosaic::Malvar),
+        (Some(DemosaicArgument::Plain(method)), None) => DemosaicMethod::Plain(method),
+        (None | Some(DemosaicArgument::MicroImages), Some(camera)) => {
+            DemosaicMethod::MicroImages(Box::new(open_camera(camera)?))
+        }
+        (Some(DemosaicArgument::MicroImages), None) => {
             return Err(Failure::Usage("--method micro-images needs --camera-file".into()));
+        }
+        (Some(DemosaicArgument::Plain(method)), Some(_)) => {
+            let name = method.name();
+            return Err(Failure::Usage(format!("--method {name} knows no microlenses; remove it or --camera-file")));
         }
     };
     let info = write_demosaiced(&options.mosaic, &method, &options.out)?;

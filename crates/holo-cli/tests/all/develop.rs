@@ -174,6 +174,11 @@ fn impossible_requests_are_refused() {
     refused(&bench, "develop out/raw_linear.png --sensor-model imx250 --out out/raw_linear.png", "is the input");
     refused(&bench, "demosaic out/raw_linear.png --out x.jpg", ".exr, .pfm or .png");
     refused(&bench, "demosaic out/raw_linear.png --method micro-images --out x.exr", "--camera-file");
+    refused(
+        &bench,
+        "demosaic out/raw.png --method ahd --camera-file small.toml --out x.exr",
+        "ahd knows no microlenses",
+    );
     let outcome = bench.run("demosaic out/raw_linear.png --out x.exr");
     assert!(outcome.code == Some(1) && outcome.stderr.contains("raw_linear.json"), "{outcome:?}");
     let mono = camera().replace("model = \"imx250\"", "model = \"imx250\"\ncfa = \"mono\"");

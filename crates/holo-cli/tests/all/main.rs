@@ -24,6 +24,7 @@ mod info;
 mod json_report;
 mod layers;
 mod low_memory;
+mod lytro;
 mod merge;
 mod mutated_scenes;
 mod outputs_and_folders;

@@ -3,8 +3,10 @@
 mod naive;
 mod sharpness;
 
-use holo_core::refocus::{Aperture, Kernel, Refocus, disparity_from_slope, slope_from_disparity};
-use holo_core::{BaselineRatio, Error, GridSize, LightField, LightFieldOwned, LightFieldShape, Rig, Sample};
+use holo_core::refocus::{
+    Aperture, FocalPlane, Kernel, Refocus, SyntheticAperture, disparity_from_slope, slope_from_disparity,
+};
+use holo_core::{BaselineRatio, Error, GridSize, LightField, LightFieldOwned, LightFieldShape, Pinhole, Rig, Sample};
 use ndarray::{Array2, Array3, Array5, ArrayView3};
 
 /// Pseudo-random numbers from 0 to 255.
@@ -268,4 +270,30 @@ fn wrong_numbers_and_shapes_are_errors() {
     assert_eq!(image, light_field.view(1, 1).unwrap().mapv(f32::from));
     let one_pixel = LightField::new(Array5::from_elem((1, 1, 3, 3, 1), 7_u8)).unwrap();
     assert_eq!(refocus.at_disparity(&one_pixel, 0.2).unwrap()[[0, 0, 0]], 7.0);
+}
+
+/// The documented bound of a synthetic aperture: cameras at the place of the view show their own pixels, and the image is their mean.
+#[test]
+fn the_mean_of_images_is_within_the_stated_bound() {
+    const COUNT: usize = 1000;
+    let size = GridSize::new(7, 9);
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let camera = Pinhole::new(axes, [0.0; 3], 20.0, size).unwrap();
+    let mut aperture = SyntheticAperture::new(camera, Kernel::Bilinear);
+    let mut expected = Array3::<f64>::zeros((size.rows, size.columns, 1));
+    let mut largest = 0.0_f64;
+    for number in 0..COUNT {
+        let value = |(row, column, _): (usize, usize, usize)| {
+            // Magnitudes from 1e-3 to 1e3, so that sums round.
+            let random = byte((number * size.rows + row) * size.columns + column);
+            10_f32.powf(f32::from(random) / 42.5 - 3.0)
+        };
+        let image = Array3::from_shape_fn((size.rows, size.columns, 1), value);
+        largest = image.iter().fold(largest, |most, &value| most.max(f64::from(value)));
+        expected += &image.mapv(f64::from);
+        aperture.add(&camera, image.view(), 1.0, FocalPlane::new(2.0).unwrap()).unwrap();
+    }
+    expected /= COUNT as f64;
+    let bound = (COUNT + 20) as f64 * 2.0_f64.powi(-23) * largest;
+    assert_close(aperture.image().unwrap().view(), expected.view(), bound, "synthetic aperture");
 }

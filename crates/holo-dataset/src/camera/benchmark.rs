@@ -309,6 +309,7 @@ fn is_there(out: &Path, inner: &str, identity: &Manifest) -> Result<bool, Error>
 mod tests {
     use std::cell::RefCell;
 
+    use holo_core::GridSize;
     use holo_core::plenoptic::{ImageSensor, PlenopticCamera};
 
     use super::*;

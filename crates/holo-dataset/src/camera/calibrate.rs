@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use holo_core::plenoptic::{Calibration, PlenopticCamera, mean_white_image};
 use holo_io::CameraFile;
-use ndarray::{Array2, Array3, Axis};
+use ndarray::{Array2, Array3};
 
-use super::linear_image::read_linear;
+use super::linear_image::read_white;
 use crate::Error;
 
 /// A window of the image of centers: its side in pitches, and in the image, px.
@@ -38,18 +38,14 @@ pub struct Calibrated {
 }
 
 impl Calibrated {
-    /// Finds the microlens array of a camera by its white images, EXR or PNG or TIFF in linear light. Several have less noise
+    /// Finds the microlens array of a camera by its white images, EXR or PNG or TIFF in linear light, or of a Lytro camera. Several have less noise
     /// than one. Colors are averaged.
     ///
     /// # Errors
     /// [`Error::Io`] if an image cannot be read; [`Error::Core`] if sizes differ; [`Error::Failed`] if there is no lattice of
     /// micro-images.
     pub fn from_white_images(paths: &[PathBuf], known: &KnownCamera) -> Result<Self, Error> {
-        let read = |path: &PathBuf| {
-            let image = read_linear(path)?;
-            image.mean_axis(Axis(2)).ok_or_else(|| Error::Failed(format!("{}: it has no pixels", path.display())))
-        };
-        let white = mean_white_image(&paths.iter().map(read).collect::<Result<Vec<_>, _>>()?)?;
+        let white = mean_white_image(&paths.iter().map(|path| read_white(path)).collect::<Result<Vec<_>, _>>()?)?;
         let (name, fit) = match known {
             KnownCamera::Camera(file) => (file.name.clone(), file.camera.calibrated(white.view())?),
             KnownCamera::Pixel(pixel_m) => {

@@ -9,7 +9,7 @@ use holo_render::{Integrator, Layer, LayerSet, Layers, RayCounts, Rendered};
 use holo_scene::Transform;
 use ndarray::{Array2, Array3, Axis};
 
-use super::linear_image::read_linear;
+use super::linear_image::{read_raw, read_white};
 use crate::Error;
 use crate::output::raw::{lit_white_image, write_white};
 use crate::output::{Exposed, OutputFolder, Rollback, Traced, TracedCamera, TracedViews, Wanted, exposure_ev, write};
@@ -27,7 +27,8 @@ const FEWEST_LENSES: usize = 900;
 /// A raw image, a white image and their camera.
 #[derive(Clone, Debug)]
 pub struct DecodeJob {
-    /// The raw image: OpenEXR, or PNG in linear light, whose views have its scale: 1 is the brightest code.
+    /// The raw image: OpenEXR, PNG in linear light, whose views have its scale: 1 is the brightest code, or a file of a Lytro
+    /// camera, where 1 is saturation.
     pub raw: PathBuf,
     /// The white image; `None`: that of the camera without dirt and noise.
     pub white: Option<PathBuf>,
@@ -127,20 +128,19 @@ impl DecodeJob {
         self.check_inputs(out)?;
         let camera = &self.camera.camera;
         let count = self.views.map_or_else(|| camera.decodable_views(), Ok)?;
-        let raw = read_linear(&self.raw)?;
+        let white = match &self.white {
+            Some(path) => read_white(path)?,
+            None => lit_white_image(&self.camera)?,
+        };
+        if let Some(path) = &self.white {
+            self.check_grid(path, &white, diagnostics)?;
+        }
+        let raw = read_raw(&self.raw, camera, &white)?;
         let (size, found) = (camera.sensor().size, [raw.dim().0, raw.dim().1]);
         if found != [size.rows, size.columns] {
             let expected = vec![size.rows, size.columns];
             return Err(holo_core::Error::Shape { what: "raw image", expected, found: found.to_vec() }.into());
         }
-        let white = match &self.white {
-            Some(path) => {
-                let white = read_linear(path)?.index_axis_move(Axis(2), 0);
-                self.check_grid(path, &white, diagnostics)?;
-                white
-            }
-            None => lit_white_image(&self.camera)?,
-        };
         let decoded = match &self.depth {
             None => camera.decode(raw.view(), white.view(), count)?,
             Some(depth) => {

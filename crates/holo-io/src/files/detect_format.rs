@@ -23,6 +23,8 @@ pub enum FileFormat {
     Dng,
     /// A PFM float image, gray or color.
     Pfm,
+    /// A container of a Lytro camera, `.lfp` or `.lfr`; see [`LytroImage`](crate::interop::LytroImage).
+    Lytro,
     /// An OpenEXR image; `read_exr_info` reads its size and channels.
     Exr,
     /// A Radiance HDR image; `read_hdr_info` reads its size.
@@ -78,6 +80,7 @@ pub fn detect_format(path: impl AsRef<Path>) -> Result<FileFormat, Error> {
                 FileFormat::Tiff
             }
         }
+        [0x89, b'L', b'F', b'P', b'\r', b'\n', 0x1a, b'\n', ..] => FileFormat::Lytro,
         [b'P', b'f' | b'F', space, ..] if space.is_ascii_whitespace() => FileFormat::Pfm,
         [0x76, 0x2f, 0x31, 0x01, ..] => FileFormat::Exr,
         text if [&b"#?RADIANCE"[..], b"#?RGBE"].iter().any(|signature| text.starts_with(signature)) => FileFormat::Hdr,

@@ -1,5 +1,7 @@
 //! Raw images and white images as those of Lytro's cameras, for the decoder of LFToolbox.
 
+mod image;
+
 use holo_core::GridSize;
 use holo_core::plenoptic::PlenopticCamera;
 use holo_core::sensor::{SensorModel, SensorPreset};
@@ -8,6 +10,8 @@ use serde_json::{Value, json};
 
 use super::LensletGridModel;
 use crate::Error;
+
+pub use self::image::LytroImage;
 
 /// The serial number of the camera.
 const SERIAL: &str = "HOLO000001";
@@ -46,9 +50,13 @@ impl LytroModel {
     /// Never: the presets exist, which a test asserts.
     #[must_use]
     pub fn sensor(self) -> SensorModel {
-        let name = if self == Self::F01 { "lytro-f01" } else { "lytro-illum" };
-        let found = SensorPreset::by_name(name).map(|preset| preset.model);
+        let found = SensorPreset::by_name(self.preset()).map(|preset| preset.model);
         found.unwrap_or_else(|| SensorModel::ideal(holo_core::sensor::ColorFilter::Grbg, 10, 5000.0))
+    }
+
+    /// The name of its camera and its sensor among the presets.
+    const fn preset(self) -> &'static str {
+        if matches!(self, Self::F01) { "lytro-f01" } else { "lytro-illum" }
     }
 
     const fn name(self) -> &'static str {
@@ -74,6 +82,24 @@ impl LytroModel {
             Self::F01 => codes
                 .chunks_exact(2)
                 .flat_map(|v| [v[0] >> 4, (v[0] & 15) << 4 | v[1] >> 8, v[1] & 255].map(|byte| byte as u8))
+                .collect(),
+        }
+    }
+
+    /// Codes from the bytes of [`packed`](Self::packed); bytes of a part of a group are left out.
+    #[must_use]
+    pub fn unpacked(self, bytes: &[u8]) -> Vec<u16> {
+        match self {
+            Self::Illum => bytes
+                .chunks_exact(5)
+                .flat_map(|five| [0, 1, 2, 3].map(|k| u16::from(five[k]) << 2 | u16::from(five[4] >> (2 * k) & 3)))
+                .collect(),
+            Self::F01 => bytes
+                .chunks_exact(3)
+                .flat_map(|three| {
+                    let [high, middle, low] = [0, 1, 2].map(|k| u16::from(three[k]));
+                    [high << 4 | middle >> 4, (middle & 15) << 8 | low]
+                })
                 .collect(),
         }
     }

@@ -25,6 +25,7 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<LightFieldReade
         FileFormat::Mat5 | FileFormat::Mat73 => Ok(of_mat(path, options)?.complete_from(&parameters_path(path))),
         FileFormat::Hdf5 => open_hdf5(path, options),
         FileFormat::Dng => Err(no_light_field("it holds the codes of a sensor behind a color filter, not colors")),
+        FileFormat::Lytro => Err(no_light_field("it holds the raw image of a Lytro camera; decode it first")),
         _ => Err(no_light_field("it is neither a PNG, TIFF, OpenEXR, MAT or HDF5 file nor a folder of a known kind")),
     }
 }

@@ -35,7 +35,15 @@ def export(
     Returns the files. A target that needs what the light fields do not have is a UsageError.
     """
     views = (views, views) if isinstance(views, int) else views
-    pairs = list((names or {}).items())
-    files, lines = _holo.export(pathlib.Path(input), target, pathlib.Path(out), views, group, pairs, list(objects))
+    request = {
+        "input": pathlib.Path(input),
+        "target": target,
+        "out": pathlib.Path(out),
+        "views": views,
+        "group": group,
+        "names": list((names or {}).items()),
+        "objects": list(objects),
+    }
+    files, lines = _holo.export(request)
     tell(lines)
     return [pathlib.Path(out) / name for name in files]

@@ -86,20 +86,30 @@ def calibration_benchmark(
 
 
 def decode(
-    raw: np.ndarray,
-    camera: PlenopticCamera,
+    raw: np.ndarray | str | os.PathLike,
+    camera: PlenopticCamera | None = None,
     *,
-    white: np.ndarray | None = None,
+    white: np.ndarray | str | os.PathLike | None = None,
     views: int | None = None,
     depth: np.ndarray | None = None,
 ) -> Decoded:
     """Decodes the raw image of a plenoptic camera to views. From micro-images of a focused one they are rendered along its depth.
 
-    raw: linear, axes (row, column, channel), of the size of the sensor. white: a white image, axes (row, column); by default
-    that of the camera. views: the views an axis; by default those whose pixels are lit in every micro-image, of a focused camera
+    raw: linear, axes (row, column, channel), of the size of the sensor; or a file: an image in linear light, or .lfp, .lfr, .raw of
+    a Lytro camera. camera: by default that of the Lytro's metadata. white: a white image, axes (row, column), or a file of one;
+    by default that of the camera. views: the views an axis; by default those whose pixels are lit in every micro-image, of a focused camera
     five. depth: of a focused camera, that of every pixel of the raw image in meters, axes (row, column); by default it is estimated.
     """
+    if isinstance(white, (str, os.PathLike)):
+        white = _holo.read_white(white)
     white = None if white is None else np.asarray(white, dtype=np.float32)
+    is_file = isinstance(raw, (str, os.PathLike))
+    if camera is None:
+        camera = PlenopticCamera.of_raw(raw) if is_file else None
+        if camera is None:
+            raise UsageError("the raw image does not describe its camera; give `camera`")
+    if is_file:
+        raw = camera.read_raw(raw, white)
     depth = None if depth is None else np.asarray(depth, dtype=np.float32)
     field, weight, rig, roll, found = camera.decode_arrays(np.asarray(raw, dtype=np.float32), white, views, depth)
     return Decoded(LightField(field, rig, is_srgb=False), weight[..., 0], roll, found)

@@ -155,6 +155,28 @@ impl PlenopticCamera {
         give_quantities(py, rows)
     }
 
+    /// The camera that a raw image describes itself, if it does.
+    #[staticmethod]
+    fn of_raw(py: Python<'_>, raw: std::path::PathBuf) -> Result<Option<Self>, Failure> {
+        Ok(py.detach(|| holo_dataset::camera_of_raw(&raw))?.map(Self))
+    }
+
+    /// Reads a raw image in linear light, axes (row, column, channel), with a white image for its colors.
+    fn read_raw<'py>(
+        &self,
+        py: Python<'py>,
+        raw: std::path::PathBuf,
+        white: Option<PyReadonlyArray2<'py, f32>>,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let white = white.map(|white| white.as_array().to_owned());
+        let image = py.detach(|| {
+            let camera = &self.0.camera;
+            let white = white.map_or_else(|| camera.white_image(), Ok)?;
+            holo_dataset::read_raw(&raw, camera, &white)
+        })?;
+        Ok(give(py, image))
+    }
+
     /// Decodes a raw image.
     fn decode_arrays<'py>(
         &self,

@@ -50,6 +50,13 @@ pub fn develop<'py>(
     Ok((give(py, codes), give_json(py, &info)?))
 }
 
+/// A white image of a file, axes (row, column).
+#[pyfunction]
+pub fn read_white(py: Python<'_>, path: std::path::PathBuf) -> Result<Bound<'_, PyAny>, Failure> {
+    let white = py.detach(|| holo_dataset::read_white(&path))?;
+    Ok(give(py, white))
+}
+
 /// Three colors in every pixel of a mosaic, axes (row, column, channel).
 #[pyfunction]
 pub fn demosaic<'py>(
