@@ -25,7 +25,7 @@ const SCENES: usize = 16;
 
 const GROUP: &str = "training";
 
-/// The group, and the scenes of it, of which EPINET and its relatives read where truth is not what views show.
+/// EPINET reads masks of pixels that mirror light or let it pass for three scenes of this group.
 const ADDITIONAL: &str = "additional";
 const WITH_INVALID_AREA: [&str; 3] = ["kitchen", "museum", "vinyl"];
 const INVALID_AREA: &str = "additional_invalid_area";

@@ -8,7 +8,7 @@
 use std::path::{Path, PathBuf};
 
 use holo_core::GridSize;
-use holo_core::plenoptic::{MicrolensArray, PlenopticCamera, Preset};
+use holo_core::plenoptic::{ArrayFocus, MainLens, MicrolensArray, PlenopticCamera, Preset};
 use holo_core::sensor::{ColorFilter, Exposure, SensorModel};
 use ndarray::{Array2, Array3, Axis};
 use serde_json::Value;
@@ -295,12 +295,15 @@ impl Metadata {
         lens.focal_length_m = self.number(&["/devices/lens/focalLength"])?;
         lens.f_number = self.number(&["/devices/lens/fNumber"])?;
         lens.exit_pupil_m = Some(self.number(&["/devices/lens/exitPupilOffset/z"])?);
-        let camera = PlenopticCamera::new(sensor, array, lens).map_err(|why| Error::Broken {
+        // Zoomed lenses cannot be focused as near as that of the preset.
+        let focus = ArrayFocus::Depth { depth_m: f64::INFINITY, virtual_depth: 0.0 };
+        let far = MainLens { focus, ..lens.clone() };
+        let camera = PlenopticCamera::new(sensor, array.clone(), lens);
+        camera.or_else(|_| PlenopticCamera::new(sensor, array, far)).map_err(|why| Error::Broken {
             path: self.path.clone(),
             format: FORMAT,
             what: format!("the camera of its metadata is impossible: {why}"),
-        })?;
-        Ok(camera)
+        })
     }
 }
 

@@ -132,6 +132,28 @@ fn packed_codes_are_read_with_the_metadata_beside_them() {
     assert!(why.contains("20 bytes of codes") && why.contains("60"), "{why}");
 }
 
+/// The numbers of a real Illum zoomed to 78 mm, of which the preset's focus at 0.5 m is impossible, and of a real F01, whose exit
+/// pupil lies at infinity.
+#[test]
+fn cameras_of_real_metadata_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("shot.raw");
+    std::fs::write(&path, [0; 72]).unwrap();
+    for (model, focal_m, f_number, exit_m, pitch_m, gap_m) in [
+        ("B01", 0.07759365439414978, 2.1110498905181885, 0.046048875898122787, 1.9999999494757503e-5, 4.06e-5),
+        ("F01", 0.0064499998092651363, 1.9099999666213989, 1e4, 1.389859962463379e-5, 2.5e-5),
+    ] {
+        let mut metadata = metadata(model, SIZE);
+        let devices = &mut metadata["devices"];
+        devices["lens"] = json!({"focalLength": focal_m, "fNumber": f_number, "exitPupilOffset": {"z": exit_m}});
+        devices["mla"]["lensPitch"] = pitch_m.into();
+        devices["mla"]["sensorOffset"]["z"] = gap_m.into();
+        std::fs::write(folder.path().join("shot_metadata.json"), metadata.to_string()).unwrap();
+        let camera = LytroImage::read(&path, &Limits::default()).unwrap().camera;
+        assert_eq!(camera.exit_pupil_m(), exit_m, "{model}");
+    }
+}
+
 #[test]
 fn what_is_missing_is_named() {
     let folder = tempfile::tempdir().unwrap();
