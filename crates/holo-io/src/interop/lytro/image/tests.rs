@@ -140,8 +140,8 @@ fn cameras_of_real_metadata_are_read() {
     let path = folder.path().join("shot.raw");
     std::fs::write(&path, [0; 72]).unwrap();
     for (model, focal_m, f_number, exit_m, pitch_m, gap_m) in [
-        ("B01", 0.07759365439414978, 2.1110498905181885, 0.046048875898122787, 1.9999999494757503e-5, 4.06e-5),
-        ("F01", 0.0064499998092651363, 1.9099999666213989, 1e4, 1.389859962463379e-5, 2.5e-5),
+        ("B01", 0.07759365439414978, 2.1110498905181885, 0.04604887589812279, 1.9999999494757503e-5, 4.06e-5),
+        ("F01", 0.006449999809265136, 1.909999966621399, 1e4, 1.389859962463379e-5, 2.5e-5),
     ] {
         let mut metadata = metadata(model, SIZE);
         let devices = &mut metadata["devices"];
