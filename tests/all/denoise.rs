@@ -14,15 +14,21 @@ use ndarray::{ArrayView1, ArrayView3, Axis};
 
 /// A scene of the gallery, 24 x 24 views of 18 x 12 pixels. Points move by up to `movement_px` from view to view.
 fn prepared(name: &str, movement_px: f64) -> (Renderer, Request) {
+    prepared_as(name, movement_px, GridSize::new(24, 24), GridSize::new(12, 18))
+}
+
+fn prepared_as(name: &str, movement_px: f64, views: GridSize, lenses: GridSize) -> (Renderer, Request) {
     let scene = gallery::scene(name).expect("a scene of the gallery");
-    let shape = LightFieldShape::new(GridSize::new(24, 24), GridSize::new(12, 18)).expect("sizes");
+    let shape = LightFieldShape::new(views, lenses).expect("sizes");
     let framed = Framing::new(shape).frame(&scene).expect("a camera");
     let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, None).expect("a renderer");
     let focus_m = renderer.automatic_focus_m(&framed).expect("a focus");
     let rig = framed.rig(focus_m).expect("a rig");
     let (near_m, _) = renderer.central_depths_m(&rig).expect("depths").expect("something is seen");
     let wanted = movement_px / rig.disparity().from_depth_m(near_m);
-    let rig = rig.to_builder().baseline_m(rig.baseline_x_m() * wanted).build().expect("a rig");
+    // A single view has no baseline, and nothing moves.
+    let baseline_m = if views.count() > 1 { rig.baseline_x_m() * wanted } else { 0.0 };
+    let rig = rig.to_builder().baseline_m(baseline_m).build().expect("a rig");
     (renderer, Request::new(rig).integrator(Integrator::Path).max_bounces(3).sky([0.35, 0.45, 0.6]).samples(4))
 }
 
@@ -190,7 +196,9 @@ fn parts_have_the_bytes_of_the_whole() {
         let request = Request::new(rig).sky([0.3, 0.4, 0.5]).samples(2).max_bounces(2);
         let request = request.denoise(Denoise::Views).estimate_error(true);
         assert_same_parts(&one, &three, &request);
-        assert_same_parts(&one, &three, &request.clone().samples(one_in(4)));
+        for pixels in [4, 64] {
+            assert_same_parts(&one, &three, &request.clone().samples(one_in(pixels)));
+        }
         // In rounds.
         assert_same_parts(&one, &three, &request.samples(8).target_error(Some(0.05)));
     }
@@ -223,6 +231,36 @@ fn few_pixels_need_samples() {
         let estimated = f64::from(estimated[estimated.len() / 2]);
         // The points of a packet are better distributed than independent ones, as which they are counted.
         assert!((0.5..2.5).contains(&(estimated / typical)), "1/{pixels}: estimated {estimated}, is {typical}");
+    }
+}
+
+/// One pixel in 16 has a sample: behind most microlenses of few views there is none. No pixel stays dark for that; most have
+/// the light of four samples of their own to a half.
+#[test]
+fn few_samples_of_few_views_leave_no_holes() {
+    for views in [1, 3, 9] {
+        let (renderer, request) = prepared_as("garden", 1.0, GridSize::new(views, views), GridSize::new(40, 60));
+        let rendered = |request: &Request| renderer.render(request, &()).expect("a render");
+        let plain = rendered(&request);
+        let few = rendered(&request.denoise(Denoise::Views).samples(one_in(16)));
+        let luminances = |rendered: &Rendered| -> Vec<f64> {
+            let pixels = color(rendered).samples();
+            let weights = [0.2126, 0.7152, 0.0722];
+            pixels
+                .lanes(Axis(4))
+                .into_iter()
+                .map(|pixel| pixel.iter().zip(weights).map(|(&x, weight)| f64::from(x) * weight).sum())
+                .collect()
+        };
+        let (plain, few) = (luminances(&plain), luminances(&few));
+        let mean = plain.iter().sum::<f64>() / plain.len() as f64;
+        let lit: Vec<f64> =
+            plain.iter().zip(&few).filter(|&(&plain, _)| plain > 0.1 * mean).map(|(plain, few)| few / plain).collect();
+        let share = |is: &dyn Fn(f64) -> bool| lit.iter().filter(|&&ratio| is(ratio)).count() as f64 / lit.len() as f64;
+        let (dark, alike) = (share(&|ratio| ratio < 0.02), share(&|ratio| (0.5..2.0).contains(&ratio)));
+        println!("{views} x {views} views: {dark:.4} dark, {alike:.3} alike");
+        assert!(dark < 0.01, "{views} x {views} views: {dark} of the pixels are dark");
+        assert!(alike > 0.5, "{views} x {views} views: {alike} of the pixels are alike");
     }
 }
 

@@ -8,7 +8,9 @@ use holo_core::plenoptic::{
     ImageSensor, LensAperture, MainLens, MicrolensArray, MicrolensGrid, PlenopticCamera, Preset,
 };
 use holo_core::{GridSize, LightFieldOwned};
-use holo_render::{Backend, Denoise, Error, Integrator, LayerSet, Rendered, Renderer, Request, Reuse, TextureFilter};
+use holo_render::{
+    Backend, Denoise, Error, Integrator, LayerSet, Rendered, Renderer, Request, Reuse, SamplesPerPixel, TextureFilter,
+};
 use holo_scene::{Scene, Transform};
 use ndarray::s;
 
@@ -36,6 +38,27 @@ fn squared_error(found: &Rendered, exact: &Rendered) -> f64 {
     squares.truncate(squares.len() * 99 / 100);
     let bright = exact.iter().map(|&x| f64::from(x).powi(2)).sum::<f64>() / exact.len() as f64;
     squares.iter().sum::<f64>() / squares.len() as f64 / bright
+}
+
+/// One pixel in 16 has a sample, and every second microlens none. Most pixels have the light that four samples of their own find, to
+/// a half.
+#[test]
+fn few_samples_leave_no_pixel_dark() {
+    let renderer = renderer(&soup(400, 3), 0);
+    let request =
+        Request::new(part("lytro-illum", GridSize::new(200, 280))).sky([0.5, 0.7, 1.0]).layers(LayerSet::EMPTY);
+    let rendered = |request: &Request| renderer.render(request, &()).expect("a render");
+    let plain = rendered(&request.clone().samples(4));
+    let few = SamplesPerPixel::one_in(16).expect("a power of two");
+    let few = rendered(&request.samples(few).denoise(Denoise::Views));
+    let (plain, few) = (color(&plain).samples(), color(&few).samples());
+    let mean = plain.mean().expect("pixels");
+    let lit: Vec<f32> =
+        plain.iter().zip(&few).filter(|&(&plain, _)| plain > 0.3 * mean).map(|(plain, few)| few / plain).collect();
+    let share = |is: &dyn Fn(f32) -> bool| lit.iter().filter(|&&ratio| is(ratio)).count() as f64 / lit.len() as f64;
+    let (dark, alike) = (share(&|ratio| ratio < 0.05), share(&|ratio| (0.5..2.0).contains(&ratio)));
+    println!("{dark:.4} dark, {alike:.3} alike");
+    assert!(dark < 0.05 && alike > 0.6, "{dark} of the pixels are dark, {alike} alike");
 }
 
 /// Where the camera is a rig, its reconstruction is about as good as that of the rig.

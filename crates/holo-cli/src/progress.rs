@@ -1,8 +1,9 @@
 //! A progress bar on standard error where that is a terminal; elsewhere a line every tenth of a long render.
 
 use std::io::IsTerminal;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use holo_render::{Progress, Tenths};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -29,7 +30,20 @@ pub struct Bar {
     bar: ProgressBar,
     lines: Option<Tenths>,
     name: &'static str,
+    advice: Option<Advice>,
 }
+
+/// What is said once about a long render.
+struct Advice {
+    text: &'static str,
+    is_said: AtomicBool,
+}
+
+/// From here on the speed so far tells how long a render will take.
+const BEGINNING: Duration = Duration::from_secs(2);
+
+/// A render that needs this time more is long.
+const LONG: Duration = Duration::from_secs(60);
 
 impl Bar {
     /// A bar; lines if standard error is no terminal, and nothing if `quiet`.
@@ -39,7 +53,26 @@ impl Bar {
         let style = ProgressStyle::with_template("{msg:12} [{bar:36}] {percent:>3} %  {elapsed} elapsed, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
         bar.set_message(name);
-        Self { bar, lines: needs_lines(quiet).then(Tenths::default), name }
+        Self { bar, lines: needs_lines(quiet).then(Tenths::default), name, advice: None }
+    }
+
+    /// Says `text` once if the render turns out to be long.
+    pub fn advise(&mut self, text: &'static str) {
+        self.advice = Some(Advice { text, is_said: AtomicBool::new(self.bar.is_hidden() && self.lines.is_none()) });
+    }
+
+    /// Says the advice, if it is time.
+    fn give_advice(&self, done: u64, total: u64) {
+        let Some(advice) = &self.advice else { return };
+        let elapsed = self.bar.elapsed();
+        if elapsed < BEGINNING || done == 0 {
+            return;
+        }
+        let left = elapsed.mul_f64((total as f64 / done as f64 - 1.0).max(0.0));
+        if left > LONG && !advice.is_said.swap(true, Ordering::Relaxed) {
+            let minutes = (left.as_secs_f64() / 60.0).round().max(1.0);
+            self.bar.suspend(|| say!("note: about {minutes:.0} min are left; {}", advice.text));
+        }
     }
 
     /// Takes the bar away.
@@ -57,6 +90,7 @@ impl Progress for Bar {
         if let Some(lines) = &self.lines {
             say_tenth(lines, self.name, done, total);
         }
+        self.give_advice(done, total);
     }
 
     fn cancelled(&self) -> bool {

@@ -7,6 +7,7 @@ use holo_dataset::{
     ShotOutcome,
 };
 use holo_io::dataset::SEQUENCE_HDF5;
+use holo_render::Denoise;
 use serde_json::{Value, json};
 
 use crate::arguments::{RenderOptions, Seeds};
@@ -27,10 +28,11 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
 }
 
 fn render(options: &RenderOptions, settings: RenderSettings) -> Result<(), Failure> {
+    let is_plain = settings.light.denoise == Denoise::Off;
     let job = RenderJob::new(SceneSource::File(options.scene.clone()), settings)
         .engine(options.engine.settings())
         .checkpoints(Checkpoints::every_seconds(options.checkpoint));
-    if job.shots().len() > 1 { many(options, &job) } else { one(options, &job) }
+    if job.shots().len() > 1 { many(options, &job) } else { one(options, &job, is_plain) }
 }
 
 /// The options of a run that do not depend on the number of shots.
@@ -38,9 +40,12 @@ fn how(options: &RenderOptions) -> RunOptions<'_> {
     RunOptions::new().shard(options.shard).overwrite(options.overwrite).rollback(interrupt::rollback())
 }
 
-/// A job with one shot.
-fn one(options: &RenderOptions, job: &RenderJob) -> Result<(), Failure> {
-    let bar = Bar::new("rendering", options.quiet);
+/// A job with one shot, in which every pixel may have only its own samples.
+fn one(options: &RenderOptions, job: &RenderJob, is_plain: bool) -> Result<(), Failure> {
+    let mut bar = Bar::new("rendering", options.quiet);
+    if is_plain {
+        bar.advise("`--preset draft` renders a first image of the same in seconds");
+    }
     let diagnostics = say_unless(options.quiet);
     let done = job.run(&options.out, &how(options).progress(&bar).diagnostics(&diagnostics));
     bar.finish();

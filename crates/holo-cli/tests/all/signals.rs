@@ -61,6 +61,25 @@ fn a_render_that_is_asked_to_stop_leaves_nothing() {
 }
 
 #[test]
+fn a_long_render_names_a_short_one() {
+    let bench = Bench::new();
+    let (said, start) = (bench.path("said"), Instant::now());
+    let stderr = std::fs::File::create(&said).unwrap();
+    let mut child = bench.command(&format!("render {SCENE} --out new {LONG}")).stderr(stderr).spawn().unwrap();
+    let text = loop {
+        let text = std::fs::read_to_string(&said).unwrap();
+        if text.contains("--preset") || start.elapsed() > Duration::from_secs(60) {
+            break text;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    };
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let line = text.lines().find(|line| line.starts_with("note: about ")).expect(&text);
+    assert!(line.ends_with("min are left; `--preset draft` renders a first image of the same in seconds"), "{line}");
+}
+
+#[test]
 fn a_stopped_render_leaves_the_users_folder_as_it_was() {
     let bench = Bench::new();
     bench.render("out", "");

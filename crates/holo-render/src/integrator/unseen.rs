@@ -116,8 +116,9 @@ impl Unseen {
                 all.add(guides.disparity(k), &packet.valid);
                 of_eights[packet.eight].add(guides.disparity(k), &packet.valid);
             }
-            // Not so if one of them is no number.
-            let is_alike = (all.high - all.low) * self.movement * FARTHEST <= MAX_PARTING_PX && all.sum.is_finite();
+            // Not so if one of them is no number, or if there is none: not every group of eight has all its packets.
+            let parting_px = (all.high - all.low) * self.movement * FARTHEST;
+            let is_alike = all.count > 0.0 && parting_px <= MAX_PARTING_PX && all.sum.is_finite();
             for (k, packet) in (first..last).zip(lens).filter(|(_, packet)| packet.sight == Sight::Unknown) {
                 if is_alike {
                     let own = &of_eights[packet.eight];
@@ -172,6 +173,19 @@ mod tests {
             let expected = of(0, k as u32 % 64, 0);
             assert!(guides.disparity(k).iter().all(|&found| (found - expected).abs() < 1e-6), "{k}");
         }
+    }
+
+    #[test]
+    fn microlenses_of_which_nothing_is_seen_are_traced() {
+        let (mut unseen, mut guides) = (Unseen::default(), Guides::default());
+        unseen.begin(&Some(Movement::Statistics));
+        guides.begin(1, 3);
+        for packet in 0..3 {
+            unseen.add((7, Some([0, packet])), Lanes([-1; LANES]), RANKS - 1, false);
+        }
+        assert!((0..3).all(|k| !unseen.is_traced(k)));
+        assert!(unseen.fill(&mut guides));
+        assert!((0..3).all(|k| unseen.is_missing(k) && *guides.disparity(k) == [0.0; LANES]));
     }
 
     #[test]

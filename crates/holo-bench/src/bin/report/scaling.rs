@@ -1,18 +1,19 @@
-//! How time and memory grow with views, with triangles and with threads.
+//! How time and memory grow with views, samples, triangles, lights, poses, frames and threads.
 
 use std::num::NonZeroUsize;
 
 use holo_core::{GridSize, Remainder, Sensor};
-use holo_render::{Backend, Denoise, Integrator, Renderer, Request, SamplesPerPixel};
-use holo_scene::{Instance, Light, LightKind, Material, Mesh, Scene, Transform};
+use holo_render::{Backend, Denoise, Framing, Integrator, Rendered, Renderer, Request, SamplesPerPixel, World};
+use holo_scene::gltf::{self, LoadOptions};
+use holo_scene::{Instance, Light, LightKind, Material, Mesh, Scene, Transform, gallery};
 
 use crate::plot::{Plot, Series};
 use crate::scenes::{FramedScene, sky};
-use crate::table::{Table, peak_bytes, short, timed};
+use crate::table::{Seconds, Table, peak_bytes, short, timed};
 use crate::{RunOptions, Section};
 
 pub fn section(options: &RunOptions) -> Section {
-    let mut table = Table::new(&["what", "count", "build, s", "render, s", "Mrays/s", "memory, MB"]);
+    let mut table = Rows::new();
     let mut plot = Plot::new("Render time (direct light, 1 sample per pixel)", "count", "seconds");
     let engine = options.engines[0];
     plot.add(Series {
@@ -21,7 +22,7 @@ pub fn section(options: &RunOptions) -> Section {
         dashes: 0,
         points: views(options, engine, &mut table),
     });
-    let mut largest = vec![table.last()];
+    let mut largest = vec![table.table.last()];
     if !options.quick {
         for sharing in [Sharing::Plain, Sharing::Shared] {
             let points = divisions(engine, sharing, &mut table);
@@ -30,13 +31,18 @@ pub fn section(options: &RunOptions) -> Section {
         }
     }
     let points = triangles(options, engine, &mut table);
-    largest.push(table.last());
+    largest.push(table.table.last());
     plot.add(Series { name: "triangles, 10,000 pixels".into(), color: 1, dashes: 0, points });
-    plot.add(Series { name: "threads".into(), color: 2, dashes: 0, points: threads(options, engine, &mut table) });
+    let axes: [(&str, Axis); 5] =
+        [("samples", samples), ("lamps", lamps), ("poses", poses), ("frames", frames), ("threads", threads)];
+    for (number, (name, axis)) in axes.into_iter().enumerate() {
+        let points = axis(options, engine, &mut table);
+        plot.add(Series { name: name.into(), color: 2 + number, dashes: 1, points });
+    }
     let highlights = largest
         .into_iter()
         .map(|row| {
-            let [what, count, _, seconds, rays, memory] = row;
+            let [what, count, _, seconds, rays, memory, _] = row;
             [
                 format!("direct light: {count} {what}"),
                 format!("{seconds} s, {rays} Mrays/s"),
@@ -48,8 +54,10 @@ pub fn section(options: &RunOptions) -> Section {
         text: format!(
             "Direct light of `garden`, 1 sample per pixel, for 1 to {} views of 79 x 53 px at the baseline of an f/5 \
              lens{}, and for 1 to all threads; a displaced sphere of 10^3 to 10^{} triangles under a directional \
-             light, 10,000 pixels. Memory is the increase of the peak during rendering; for triangles, during the BVH \
-             build, too.",
+             light, 10,000 pixels. Samples, lamps and poses: 10 x 10 views of 79 x 53 px, of `garden`; of a ball under \
+             lamps around it; of `garden` from places along a line. Frames: the same views of `pendulum`, which is \
+             loaded and built for each. Memory is the increase of the peak during rendering; for triangles and \
+             frames, during the BVH build, too. Growth is the exponent of the time against the row before: 1 is linear, 0 constant.",
             if options.quick { "1024" } else { "10,000" },
             if options.quick {
                 ""
@@ -60,8 +68,54 @@ pub fn section(options: &RunOptions) -> Section {
             if options.quick { 5 } else { 7 }
         ),
         highlights,
-        table,
+        table: table.table,
         plots: vec![("scaling", plot.svg())],
+    }
+}
+
+/// Measures a row for every count; returns the points of the plot.
+type Axis = fn(&RunOptions, Backend, &mut Rows) -> Vec<(f64, f64)>;
+
+/// The table, and what its last row counted.
+struct Rows {
+    table: Table,
+    last: Option<(String, f64, f64)>,
+}
+
+impl Rows {
+    fn new() -> Self {
+        let headings = ["what", "count", "build, s", "render, s", "Mrays/s", "memory, MB", "growth"];
+        Self { table: Table::new(&headings), last: None }
+    }
+
+    /// Adds a row; returns its point.
+    fn add(
+        &mut self,
+        what: &str,
+        count: usize,
+        build: Option<Seconds>,
+        render: Seconds,
+        measured: [Option<u64>; 2],
+    ) -> (f64, f64) {
+        let [rays, bytes] = measured;
+        let point = (count as f64, render.median);
+        let growth = match &self.last {
+            Some((before, counted, took)) if before == what => {
+                short(((point.1 / took).ln() / (point.0 / counted).ln() * 100.0).round() / 100.0)
+            }
+            _ => String::new(),
+        };
+        self.last = Some((what.into(), point.0, point.1));
+        self.table.push([
+            what.into(),
+            count.to_string(),
+            build.map_or(String::new(), |build| short(build.median)),
+            render.text(),
+            rays.map_or(String::new(), |rays| short(rays as f64 / render.median / 1e6)),
+            bytes.map_or("?".into(), |bytes| short(bytes as f64 / 1e6)),
+            growth,
+        ]);
+        point
     }
 }
 
@@ -69,7 +123,7 @@ fn direct(rig: holo_core::Rig, sky: [f32; 3]) -> Request {
     Request::new(rig).integrator(Integrator::Direct).sky(sky)
 }
 
-fn views(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64, f64)> {
+fn views(options: &RunOptions, engine: Backend, table: &mut Rows) -> Vec<(f64, f64)> {
     let counts: &[usize] = if options.quick { &[1, 3, 10, 32] } else { &[1, 3, 10, 32, 56, 100] };
     counts
         .iter()
@@ -109,7 +163,7 @@ impl Sharing {
 }
 
 /// One sensor divided into different numbers of views, as in the paper's Table I.
-fn divisions(engine: Backend, sharing: Sharing, table: &mut Table) -> Vec<(f64, f64)> {
+fn divisions(engine: Backend, sharing: Sharing, table: &mut Rows) -> Vec<(f64, f64)> {
     let row = |views| {
         let split = Sensor::Paper8k.divide(GridSize::new(views, views), Remainder::Crop).expect("a split").shape;
         add_garden_row([sharing.views_of_8k(), ""], views, split.lenses(), sharing, 1, engine, table)
@@ -118,7 +172,7 @@ fn divisions(engine: Backend, sharing: Sharing, table: &mut Table) -> Vec<(f64, 
 }
 
 /// Sensors of different sizes divided into 100 x 100 views.
-fn sensors(engine: Backend, sharing: Sharing, table: &mut Table) {
+fn sensors(engine: Backend, sharing: Sharing, table: &mut Rows) {
     for (name, sensor) in [(", HD", Sensor::Hd), (", 4K", Sensor::Uhd4k), (", 8K", Sensor::Paper8k)] {
         let split = sensor.divide(GridSize::new(100, 100), Remainder::Crop).expect("a split").shape;
         let what = match sharing {
@@ -137,26 +191,100 @@ fn add_garden_row(
     sharing: Sharing,
     rounds: usize,
     engine: Backend,
-    table: &mut Table,
+    table: &mut Rows,
 ) -> (f64, f64) {
     let framed = FramedScene::new("garden", views, lenses, None);
     let request = sharing.request(framed.rig);
     let (build, renderer) = timed(1, || framed.renderer(engine, None));
     let (bytes, (seconds, rendered)) =
         peak_bytes(|| timed(rounds, || renderer.render(&request, &()).expect("a render")));
-    let count = views * views;
-    table.push([
-        what.concat(),
-        count.to_string(),
-        short(build.median),
-        seconds.text(),
-        short(rendered.rays.total() as f64 / seconds.median / 1e6),
-        bytes.map_or("?".into(), |bytes| short(bytes as f64 / 1e6)),
-    ]);
-    (count as f64, seconds.median)
+    table.add(&what.concat(), views * views, Some(build), seconds, [Some(rendered.rays.total()), bytes])
 }
 
-fn threads(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64, f64)> {
+/// `garden` in 10 x 10 views.
+fn small_garden() -> FramedScene {
+    FramedScene::new("garden", 10, GridSize::new(53, 79), None)
+}
+
+fn samples(options: &RunOptions, engine: Backend, table: &mut Rows) -> Vec<(f64, f64)> {
+    let framed = small_garden();
+    let renderer = framed.renderer(engine, None);
+    let counts: &[u32] = if options.quick { &[1, 4, 16] } else { &[1, 4, 16, 64, 256] };
+    let row = |&count: &u32| {
+        let request = direct(framed.rig, sky("garden")).samples(count);
+        let (bytes, (seconds, rendered)) = peak_bytes(|| timed(options.rounds, || render(&renderer, &request)));
+        table.add("samples", count as usize, None, seconds, [Some(rendered.rays.total()), bytes])
+    };
+    counts.iter().map(row).collect()
+}
+
+/// Lamps on a ball around a smaller one.
+fn lamps(options: &RunOptions, engine: Backend, table: &mut Rows) -> Vec<(f64, f64)> {
+    let rig = small_garden().rig;
+    let counts: &[usize] = if options.quick { &[1, 10, 100] } else { &[1, 10, 100, 1000, 10_000] };
+    let row = |&count: &usize| {
+        let lamp = |number: usize| {
+            // A spiral with the golden angle.
+            let height = 1.0 - (2 * number + 1) as f64 / count as f64;
+            let (sine, cosine) = (number as f64 * 2.399_963).sin_cos();
+            let across = 4.0 * (1.0 - height * height).sqrt();
+            let kind = LightKind::Point { position: [across * cosine, 4.0 * height, across * sine], range: None };
+            Light { name: format!("lamp {number}"), intensity: [100.0 / count as f64; 3], kind }
+        };
+        let scene = Scene { lights: (0..count).map(lamp).collect(), ..displaced_sphere(10_000) };
+        let pose = Transform::from_translation([0.0, 0.0, 3.0]);
+        let (build, renderer) = timed(1, || Renderer::new(&scene, &pose, engine, None).expect("a scene"));
+        let request = direct(rig, [0.0; 3]);
+        let (bytes, (seconds, rendered)) = peak_bytes(|| timed(options.rounds, || render(&renderer, &request)));
+        table.add("lamps", count, Some(build), seconds, [Some(rendered.rays.total()), bytes])
+    };
+    counts.iter().map(row).collect()
+}
+
+/// One scene from places along a line, as `--transforms` has it.
+fn poses(options: &RunOptions, engine: Backend, table: &mut Rows) -> Vec<(f64, f64)> {
+    let framed = small_garden();
+    let (build, world) = timed(1, || World::new(&framed.scene, engine, None).expect("a scene"));
+    let request = direct(framed.rig, sky("garden"));
+    let counts: &[usize] = if options.quick { &[1, 4] } else { &[1, 4, 16, 64] };
+    let row = |&count: &usize| {
+        let all = || {
+            let place =
+                |number: usize| framed.pose.after(&Transform::from_translation([0.01 * number as f64, 0.0, 0.0]));
+            let one = |number| render(&world.at(&place(number)).expect("a pose"), &request).rays.total();
+            (0..count).map(one).sum::<u64>()
+        };
+        let (bytes, (seconds, rays)) = peak_bytes(|| timed(options.rounds, all));
+        table.add("poses", count, Some(build), seconds, [Some(rays), bytes])
+    };
+    counts.iter().map(row).collect()
+}
+
+/// Frames of a scene that moves, as `--frame 1-N` has it: loaded, built and rendered one after the other.
+fn frames(options: &RunOptions, engine: Backend, table: &mut Rows) -> Vec<(f64, f64)> {
+    let glb = gallery::to_glb("pendulum").expect("a scene of the gallery").expect("a scene that is written");
+    let rig = small_garden().rig;
+    let counts: &[usize] = if options.quick { &[1, 4] } else { &[1, 4, 16, 64] };
+    let row = |&count: &usize| {
+        let one = |number: usize| {
+            let mut at = LoadOptions::default();
+            at.time_s = Some(number as f64 / 24.0);
+            let scene = gltf::load_slice_with(&glb, &at).expect("a scene").scene;
+            let pose = Framing::new(*rig.shape()).frame(&scene).expect("a camera").pose;
+            let renderer = Renderer::new(&scene, &pose, engine, None).expect("a scene");
+            render(&renderer, &direct(rig, sky("garden"))).rays.total()
+        };
+        let (bytes, (seconds, rays)) = peak_bytes(|| timed(options.rounds, || (0..count).map(one).sum::<u64>()));
+        table.add("frames", count, None, seconds, [Some(rays), bytes])
+    };
+    counts.iter().map(row).collect()
+}
+
+fn render(renderer: &Renderer, request: &Request) -> Rendered {
+    renderer.render(request, &()).expect("a render")
+}
+
+fn threads(options: &RunOptions, engine: Backend, table: &mut Rows) -> Vec<(f64, f64)> {
     let framed = FramedScene::new("garden", if options.quick { 10 } else { 32 }, GridSize::new(53, 79), None);
     let request = direct(framed.rig, sky("garden"));
     let all = std::thread::available_parallelism().map_or(1, usize::from);
@@ -165,9 +293,7 @@ fn threads(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64
     loop {
         let renderer = framed.renderer(engine, NonZeroUsize::new(count));
         let (seconds, rendered) = timed(options.rounds, || renderer.render(&request, &()).expect("a render"));
-        points.push((count as f64, seconds.median));
-        let rays = short(rendered.rays.total() as f64 / seconds.median / 1e6);
-        table.push(["threads".into(), count.to_string(), String::new(), seconds.text(), rays, String::new()]);
+        points.push(table.add("threads", count, None, seconds, [Some(rendered.rays.total()), None]));
         if count == all {
             return points;
         }
@@ -175,7 +301,7 @@ fn threads(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64
     }
 }
 
-fn triangles(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64, f64)> {
+fn triangles(options: &RunOptions, engine: Backend, table: &mut Rows) -> Vec<(f64, f64)> {
     let counts: &[usize] =
         if options.quick { &[1000, 10_000, 100_000] } else { &[1000, 10_000, 100_000, 1_000_000, 10_000_000] };
     // A rig of 10,000 pixels.
@@ -190,15 +316,8 @@ fn triangles(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f
             let (seconds, rendered) = timed(options.rounds, || renderer.render(&request, &()).expect("a render"));
             (build, seconds, rendered)
         });
-        points.push((scene.triangle_count() as f64, seconds.median));
-        table.push([
-            "triangles".into(),
-            scene.triangle_count().to_string(),
-            short(build.median),
-            seconds.text(),
-            short(rendered.rays.total() as f64 / seconds.median / 1e6),
-            bytes.map_or("?".into(), |bytes| short(bytes as f64 / 1e6)),
-        ]);
+        let count = scene.triangle_count();
+        points.push(table.add("triangles", count, Some(build), seconds, [Some(rendered.rays.total()), bytes]));
     }
     points
 }

@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::super::guides::{CHANNELS, SAMPLES, luminance};
 use super::super::tint;
 use super::Field;
-use super::fit::{Moments, Window};
+use super::fit::{MAX_LEVER, Moments, Window};
 
 /// The largest movement, px, of anything within a cell.
 const MAX_MOVEMENT_PX: f32 = 0.1;
@@ -162,12 +162,20 @@ impl Cells {
         out
     }
 
-    /// The light at a view on the plane through all of them, and the variance of its luminance.
+    /// Whether there are fewer samples than views, so that some have none.
+    #[inline(always)]
+    pub fn is_sparse(&self) -> bool {
+        self.trend.weight() < (self.views[0] * self.views[1]) as f32
+    }
+
+    /// The light at a view on the plane through all of them, and the variance of its luminance; where not all have samples,
+    /// nothing far beside those.
     #[inline(always)]
     pub fn trend_at(&self, [t, s]: [usize; 2]) -> Window {
         let place = [0, 1].map(|axis| [t, s][axis] as f32 - self.views[axis] as f32 / 2.0);
         let plane = self.trend.plane_at(place);
-        Window { values: plane.values, offset: [0.0; 2], weight: plane.weight, tint: [1.0; 3] }
+        let weight = if self.is_sparse() && plane.lever > MAX_LEVER { 0.0 } else { plane.weight };
+        Window { values: plane.values, offset: [0.0; 2], weight, tint: [1.0; 3] }
     }
 
     /// The sums of a rectangle of cells.

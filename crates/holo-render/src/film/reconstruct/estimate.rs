@@ -21,6 +21,8 @@ pub(super) struct Planes {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Finished {
     pub disparity: f32,
+    /// Whether there are samples around; without any there is no color.
+    pub is_known: bool,
     pub color: [f32; 3],
     /// The change of the color per microlens down and to the right.
     pub gradient: [[f32; 3]; 2],
@@ -43,6 +45,10 @@ pub(super) fn planes(
     let (mut moments, mut colors) = (Moments::default(), Moments::default());
     let mut inside = 0;
     let own = &nodes.row(v)[u * per_lens + node];
+    // Estimates everywhere around have no plane far beside them.
+    let plane = |moments: &Moments| {
+        if own.is_sparse { moments.plane_or_mean_at([0.0; 2]) } else { moments.plane_at([0.0; 2]) }
+    };
     let near = own.near(count);
     let own_tint = (near.weight > 0.0).then_some(near.tint);
     for (k, &radius) in RADII.iter().enumerate() {
@@ -65,10 +71,10 @@ pub(super) fn planes(
             }
         }
         inside = radius;
-        out.fits[k] = moments.plane_at([0.0; 2]);
+        out.fits[k] = plane(&moments);
     }
     // What lies beside the point has the change of color, with that of the tint.
-    out.gradient = colors.plane_at([0.0; 2]).gradient;
+    out.gradient = plane(&colors).gradient;
     out.around = luminance(colors.mean());
     out
 }
@@ -144,6 +150,7 @@ pub(super) fn finish(node: &Node, planes: &Planes, choice: Choice, count: usize)
     let at = |level: usize| (level.max(1)..=last).find_map(|level| values(node, planes, count, level));
     let (low, high) = (at(level.floor() as usize), at(level.ceil() as usize));
     let part = level - level.floor();
+    let is_known = low.or(high).is_some();
     let (low, high) = match (low, high) {
         (Some(low), Some(high)) => (low, high),
         (Some(one), None) | (None, Some(one)) => (one, one),
@@ -154,7 +161,27 @@ pub(super) fn finish(node: &Node, planes: &Planes, choice: Choice, count: usize)
         color[c] = if part > 0.0 { low[c] + (high[c] - low[c]) * part } else { low[c] };
     }
     let error = choice::relative_to_own(choice.error, luminance(color).max(0.0), planes.around);
-    Finished { disparity: node.disparity, color, gradient: planes.gradient, level, error }
+    Finished { disparity: node.disparity, is_known, color, gradient: planes.gradient, level, error }
+}
+
+/// The squared relative error of what is taken from elsewhere.
+const UNKNOWN: f32 = 1.0;
+
+/// Gives nodes of one microlens without samples around them the light of the nearest in the list that has some.
+pub(super) fn fill(nodes: &mut [Finished]) {
+    if nodes.iter().all(|node| node.is_known) {
+        return;
+    }
+    let known: Vec<usize> = (0..nodes.len()).filter(|&k| nodes[k].is_known).collect();
+    for k in 0..nodes.len() {
+        if let Some(&nearest) = known.iter().min_by_key(|other| other.abs_diff(k))
+            && nearest != k
+            && !known.contains(&k)
+        {
+            let Finished { color, .. } = nodes[nearest];
+            nodes[k] = Finished { is_known: true, color, gradient: [[0.0; 3]; 2], error: UNKNOWN, ..nodes[k] };
+        }
+    }
 }
 
 /// How many independent observations a node is at each level.

@@ -10,6 +10,13 @@ use super::super::guides::luminance;
 /// The radii r, in microlenses.
 pub(super) const RADII: [usize; 3] = [1, 2, 4];
 
+/// The largest [`Plane::lever`] of a plane that tells something. In a corner of a grid of places that all have estimates it is
+/// 7; beside the only packet of pixels with samples it is tens.
+pub(super) const MAX_LEVER: f32 = 8.0;
+
+/// The largest lever of a place among the estimates, not beside them.
+const MAX_INNER_LEVER: f32 = 2.0;
+
 /// The largest radius.
 pub(super) const REACH: usize = RADII[RADII.len() - 1];
 
@@ -62,6 +69,9 @@ pub(super) struct Plane {
     pub gradient: [[f32; 3]; 2],
     /// The weight; 0 without estimates.
     pub weight: f32,
+    /// The variance there relative to that of the mean of the estimates: 1 in their middle, and the more the farther beside
+    /// them.
+    pub lever: f32,
 }
 
 /// The moments of estimates at places of a plane.
@@ -100,10 +110,32 @@ impl Moments {
         }
     }
 
+    /// The sum of the weights.
+    #[inline(always)]
+    pub fn weight(&self) -> f32 {
+        self.weight
+    }
+
     /// The mean of the estimates.
     #[inline(always)]
     pub fn mean(&self) -> [f32; 3] {
         self.values.map(|sum| if self.weight > 0.0 { sum / self.weight } else { 0.0 })
+    }
+
+    /// The plane of least squares with its values at a place, or, far beside the estimates, and where a plane beside them falls
+    /// below nothing, their mean.
+    #[inline(always)]
+    pub fn plane_or_mean_at(&self, place: [f32; 2]) -> Plane {
+        let plane = self.plane_at(place);
+        let [r, g, b, _] = plane.values;
+        let is_light = plane.lever <= MAX_INNER_LEVER || luminance([r, g, b]) > 0.0;
+        if plane.lever <= MAX_LEVER && is_light {
+            return plane;
+        }
+        let scale = 1.0 / self.weight;
+        let [r, g, b] = self.mean();
+        let values = [r, g, b, self.variance * scale * scale];
+        Plane { values, gradient: [[0.0; 3]; 2], weight: self.weight, lever: 1.0 }
     }
 
     /// The plane of least squares, with its values at a place.
@@ -130,7 +162,8 @@ impl Moments {
         }
         // That of a mean, and more where the estimates lie to one side.
         let beside = (to_y * to_y * xx - 2.0 * to_y * to_x * yx + to_x * to_x * yy) * inverse;
-        out.values[3] = self.variance * scale * scale * (1.0 + beside);
+        out.lever = 1.0 + beside;
+        out.values[3] = self.variance * scale * scale * out.lever;
         out
     }
 }

@@ -26,6 +26,8 @@ const WINDOWS: [(f32, f32); WINDOW_COUNT] = [(2.5, 0.1), (5.0, 0.15), (9.0, 0.15
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub disparity: f32,
+    /// Whether some of the views behind its microlens have no samples.
+    pub is_sparse: bool,
     pub windows: [Window; WINDOW_COUNT],
     /// The light of the microlens as it changes from view to view, at the view of the node.
     pub trend: Window,

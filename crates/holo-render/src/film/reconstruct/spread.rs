@@ -68,10 +68,11 @@ impl Kernel for SpreadLine<'_> {
         for u in 0..lens_columns {
             let is_still =
                 self.steps.cells.row(self.place[0])[u].is_still(farthest) && !self.has_sharp_nodes(u, &places);
+            let known = self.known_lens(u);
             if is_still || self.color.is_none() {
-                self.own_nodes(u, &places, &mut means);
+                self.own_nodes(u, known, &places, &mut means);
             } else {
-                self.any_nodes(u, &places);
+                self.any_nodes(u, known, &places);
             }
         }
     }
@@ -91,15 +92,43 @@ impl SpreadLine<'_> {
             .any(|row| nodes[row * columns..][..columns].iter().any(|node| self.steps.has_own_windows(node.level, 0.0)))
     }
 
-    /// The pixels behind a microlens that take their light from its own nodes: nothing there moves by half a pixel between
-    /// a pixel and a node.
+    /// The microlens whose nodes stand for those of microlens `u`: itself, or, if there are no samples around it, the nearest
+    /// one with some. Far from all, it is itself.
     #[inline(always)]
-    fn own_nodes(&mut self, u: usize, places: &Places, means: &mut [Mean]) {
-        let [v, t] = self.place;
+    fn known_lens(&self, u: usize) -> [usize; 2] {
+        let v = self.place[0];
+        let count = self.steps.views.count();
+        let is_known = |row: usize, column: usize| self.steps.finished.row(row)[column * count].is_known;
+        if is_known(v, u) { [v, u] } else { self.nearest_known_lens(u, is_known) }
+    }
+
+    /// In growing squares, of which only columns are left beyond the rows that are there.
+    #[cold]
+    fn nearest_known_lens(&self, u: usize, is_known: impl Fn(usize, usize) -> bool) -> [usize; 2] {
+        let v = self.place[0];
+        let columns = self.grid.shape[1];
+        for far in 1..columns.max(SPREAD_REACH + 1) {
+            let near = u.saturating_sub(far)..(u + far + 1).min(columns);
+            for row in self.steps.finished.near(v, far.min(SPREAD_REACH)) {
+                let is_end = row.abs_diff(v) == far;
+                let found = near.clone().find(|&column| (is_end || column.abs_diff(u) == far) && is_known(row, column));
+                if let Some(column) = found {
+                    return [row, column];
+                }
+            }
+        }
+        [v, u]
+    }
+
+    /// The pixels behind a microlens that take their light from its own nodes, or those of `known`: nothing there moves by
+    /// half a pixel between a pixel and a node.
+    #[inline(always)]
+    fn own_nodes(&mut self, u: usize, known: [usize; 2], places: &Places, means: &mut [Mean]) {
+        let t = self.place[1];
         let [down, across] = self.grid.movement;
         let views = &self.steps.views;
         let [along_t, along_s] = [views.along(0), views.along(1)];
-        let nodes = &self.steps.finished.row(v)[u * views.count()..][..views.count()];
+        let nodes = &self.steps.finished.row(known[0])[known[1] * views.count()..][..views.count()];
         for (k, mean) in means.iter_mut().enumerate() {
             *mean = Mean::default();
             for i in 0..2 {
@@ -138,14 +167,14 @@ impl SpreadLine<'_> {
 
     /// The pixels behind a microlens that take their light from the nodes that show the same.
     #[inline(always)]
-    fn any_nodes(&mut self, u: usize, places: &Places) {
+    fn any_nodes(&mut self, u: usize, known: [usize; 2], places: &Places) {
         let [v, t] = self.place;
         let [lens_rows, lens_columns, ..] = self.grid.shape;
         let [down, across] = self.grid.movement;
         let views = &self.steps.views;
         let [along_t, along_s] = [views.along(0), views.along(1)];
         let count = views.count();
-        let own_nodes = &self.steps.finished.row(v)[u * count..][..count];
+        let own_nodes = &self.steps.finished.row(known[0])[known[1] * count..][..count];
         let rows = places.rows;
         for (s, between) in places.columns.iter().enumerate() {
             let place = u * places.columns.len() + s;
@@ -178,7 +207,7 @@ impl SpreadLine<'_> {
                 }
                 let found = &self.steps.finished.row(row as usize)[column as usize * count + node];
                 let parting = (found.disparity - disparity).abs() * away[0].abs().max(away[1].abs());
-                if !is_within(parting, MAX_PARTING_PX) {
+                if !is_within(parting, MAX_PARTING_PX) || !found.is_known {
                     continue;
                 }
                 let offset = [0, 1].map(|axis| -shift[axis] - nearest[axis]);

@@ -166,7 +166,8 @@ impl Kernel for OfLens<'_, ToNodes<'_>> {
             let [t, s] = self.views.view(node);
             let disparity = field.line(v, t).1[u * field.grid.shape[3] + s][1];
             let windows = nodes::gather(&field.grid, cells, [v, u, t, s], disparity, self.windows, 0..self.windows);
-            out.push(Node { disparity, windows, trend: cells.row(v)[u].trend_at([t, s]) });
+            let own = &cells.row(v)[u];
+            out.push(Node { disparity, is_sparse: own.is_sparse(), windows, trend: own.trend_at([t, s]) });
         }
         out
     }
@@ -299,6 +300,7 @@ impl Kernel for OfLens<'_, ToFinished<'_>> {
             let place = u * count + node;
             out.push(estimate::finish(&nodes.row(v)[place], &evidence.row(v)[place].0, mean, self.windows));
         }
+        estimate::fill(&mut out);
         out
     }
 }

@@ -1,12 +1,13 @@
 //! The reconstruction of a raw image: evidence, choices and means of the microlenses, band by band.
 
+use std::cell::OnceCell;
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::super::SMOOTHED;
 use super::super::cells::Sums;
 use super::super::choice::{Choice, Evidence, LEVELS};
+use super::super::{SMOOTHED, SPREAD_REACH};
 use super::LENSES;
 use super::blocks::Blocks;
 use super::gather::{WINDOW_COUNT, gather};
@@ -210,6 +211,7 @@ impl LatticeReconstruction<'_> {
         let own = &lattice.lenses[lens];
         let smooth = self.smooth(lens, &blocks, chosen, first);
         let mut out = Vec::new();
+        let mean = OnceCell::new();
         for row in own.rows.start.max(self.rows.start)..own.rows.end.min(self.rows.end) {
             for column in own.columns.clone() {
                 let place = lattice.place(row, column);
@@ -219,7 +221,7 @@ impl LatticeReconstruction<'_> {
                 }
                 let view = [lattice.view(own.center[1], row), lattice.view(own.center[0], column)];
                 let choice = blocks.interpolate(&smooth, view);
-                let color = self.color.is_some().then(|| self.color_of(lens, [row, column], choice.level));
+                let color = self.color.is_some().then(|| self.color_of((lens, &mean), [row, column], choice.level));
                 out.push(Finished { place, color, error: choice.error.sqrt() });
             }
         }
@@ -236,9 +238,10 @@ impl LatticeReconstruction<'_> {
         (0..blocks.count()).map(|block| mean(near.iter().map(|choices| &choices[block]))).collect()
     }
 
-    /// The light of a pixel: the mean over a window, or a mixture of those over two, times its share.
+    /// The light of a pixel: the mean over a window, or a mixture of those over two, times its share. Without samples in any it
+    /// is the mean of its microlens.
     #[inline(always)]
-    fn color_of(&self, lens: usize, [row, column]: [usize; 2], level: f32) -> [f32; 3] {
+    fn color_of(&self, (lens, mean): (usize, &OnceCell<[f32; 3]>), [row, column]: [usize; 2], level: f32) -> [f32; 3] {
         // Means of levels may be rounded up.
         let level = level.clamp(0.0, (self.levels() - 1) as f32);
         let (lower, upper) = (level.floor() as usize, level.ceil() as usize);
@@ -252,22 +255,30 @@ impl LatticeReconstruction<'_> {
             (Some(low), Some(high)) => {
                 std::array::from_fn(|c| if part > 0.0 { low[c] + (high[c] - low[c]) * part } else { low[c] })
             }
-            (None, _) => self.mean_of(lens),
+            (None, _) => *mean.get_or_init(|| self.mean_of(lens)),
         };
         color.map(|value| value * share)
     }
 
-    /// The mean radiance of the samples behind a microlens: that of pixels without samples in any window.
+    /// The mean radiance of the samples behind a microlens, or, without any, behind the nearest of its type that have some:
+    /// that of pixels without samples in any window.
     fn mean_of(&self, lens: usize) -> [f32; 3] {
-        let own = &self.lattice.lenses[lens];
+        (0..=SPREAD_REACH).find_map(|lines| self.mean_around(lens, lines)).unwrap_or_default()
+    }
+
+    /// That of the microlenses of the type of one which are at most so many rows and columns of the table away.
+    fn mean_around(&self, lens: usize, lines: usize) -> Option<[f32; 3]> {
         let mut all = Sums::default();
-        for (row, column) in own.rows.clone().flat_map(|row| own.columns.clone().map(move |column| (row, column))) {
-            let place = self.lattice.place(row, column);
-            if self.lattice.owners[place] as usize == lens && self.sources[place].has_samples() {
-                all.add(&self.sources[place].sums());
+        for lens in self.alike(lens, lines, 0, self.lattice.lenses.len()) {
+            let own = &self.lattice.lenses[lens];
+            for (row, column) in own.rows.clone().flat_map(|row| own.columns.clone().map(move |column| (row, column))) {
+                let place = self.lattice.place(row, column);
+                if self.lattice.owners[place] as usize == lens && self.sources[place].has_samples() {
+                    all.add(&self.sources[place].sums());
+                }
             }
         }
-        if all.weight > 0.0 { all.color.map(|sum| sum / all.weight) } else { [0.0; 3] }
+        (all.weight > 0.0).then(|| all.color.map(|sum| sum / all.weight))
     }
 }
 
