@@ -33,7 +33,7 @@ pub struct Bar {
     advice: Option<Advice>,
 }
 
-/// What is said once about a long render.
+/// A hint that the bar prints once, if the render is long.
 struct Advice {
     text: &'static str,
     is_said: AtomicBool,

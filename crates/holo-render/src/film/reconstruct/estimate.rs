@@ -174,9 +174,9 @@ pub(super) fn fill(nodes: &mut [Finished]) {
     }
     let known: Vec<usize> = (0..nodes.len()).filter(|&k| nodes[k].is_known).collect();
     for k in 0..nodes.len() {
+        // The nearest to a known node is the node itself.
         if let Some(&nearest) = known.iter().min_by_key(|other| other.abs_diff(k))
             && nearest != k
-            && !known.contains(&k)
         {
             let Finished { color, .. } = nodes[nearest];
             nodes[k] = Finished { is_known: true, color, gradient: [[0.0; 3]; 2], error: UNKNOWN, ..nodes[k] };

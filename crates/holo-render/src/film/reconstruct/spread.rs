@@ -102,7 +102,7 @@ impl SpreadLine<'_> {
         if is_known(v, u) { [v, u] } else { self.nearest_known_lens(u, is_known) }
     }
 
-    /// In growing squares, of which only columns are left beyond the rows that are there.
+    /// Searches squares of growing size around the microlens. Rows that are not in memory are left out.
     #[cold]
     fn nearest_known_lens(&self, u: usize, is_known: impl Fn(usize, usize) -> bool) -> [usize; 2] {
         let v = self.place[0];

@@ -132,8 +132,8 @@ fn packed_codes_are_read_with_the_metadata_beside_them() {
     assert!(why.contains("20 bytes of codes") && why.contains("60"), "{why}");
 }
 
-/// The numbers of a real Illum zoomed to 78 mm, of which the preset's focus at 0.5 m is impossible, and of a real F01, whose exit
-/// pupil lies at infinity.
+/// A real Illum zoomed to 78 mm cannot focus at 0.5 m, as its preset does. A real F01 has its exit pupil at infinity. Both files
+/// give a camera.
 #[test]
 fn cameras_of_real_metadata_are_read() {
     let folder = tempfile::tempdir().unwrap();
