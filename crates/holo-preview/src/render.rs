@@ -6,6 +6,7 @@ use std::sync::mpsc::Sender;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use holo_dataset::settings::Preset;
 use holo_dataset::{Camera, RenderJob, RunOptions};
 use holo_render::Progress;
 use serde_json::{Value, json};
@@ -18,8 +19,8 @@ use crate::protocol::{Event, Look, Reply};
 /// How often the page hears of progress.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// The settings of a draft, which comes first.
-const DRAFT: [(&str, &str); 2] = [("spp", "1/16"), ("denoise", "views")];
+/// The preset of a draft, which comes first.
+const DRAFT: &str = "draft";
 
 /// What connections share.
 #[derive(Clone, Copy)]
@@ -77,10 +78,10 @@ impl Renders {
         let (source, _) = job::scene(look, shared.preview, inbox)?;
         let job = job::of(look, source.clone(), shared.preview)?;
         let folder = new_folder(out, &holo_core::visible(&source.name()))?;
-        if matches!(job.settings.camera, Camera::Rig(_)) {
+        if let (Camera::Rig(_), Some(preset)) = (&job.settings.camera, Preset::by_name(DRAFT)) {
             let mut draft = look.clone();
             draft.settings.remove("target-error");
-            draft.settings.extend(DRAFT.map(|(key, text)| (key.to_owned(), text.to_owned())));
+            draft.settings.extend(preset.given().iter().map(|(key, text)| (key.to_owned(), text.to_owned())));
             let job = job::of(&draft, source, shared.preview)?;
             self.one(&job, &folder.join("draft"), ("draft", look, shared), send)?;
         }
