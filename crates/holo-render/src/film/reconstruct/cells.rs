@@ -4,6 +4,7 @@
 //! are rectangles of cells, whose sums are differences of four sums from the first cell on (summed-area tables; Crow,
 //! 1984), so that they cost the same at any size.
 
+use std::mem;
 use std::ops::Range;
 
 use super::super::guides::{CHANNELS, SAMPLES, luminance};
@@ -42,7 +43,7 @@ pub(super) struct Sums {
 }
 
 /// The cells of the views behind one microlens.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Cells {
     /// The side of a cell, in views; those at the end may have fewer.
     pub size: usize,
@@ -85,20 +86,25 @@ impl Sums {
 }
 
 impl Cells {
-    /// Of a microlens.
+    /// Finds those of a microlens, in place of others, whose memory it uses again.
     #[inline(always)]
-    pub fn new(field: &Field, v: usize, u: usize) -> Self {
+    pub fn find(&mut self, field: &Field, v: usize, u: usize) {
         let [_, _, rows, columns] = field.grid.shape;
         let pixel_range = pixel_range(field, v, u);
         let size = size(field, pixel_range);
         let counts = [rows.div_ceil(size), columns.div_ceil(size)];
         let width = counts[1] + 1;
+        let (mut table, mut disparities) = (mem::take(&mut self.table), mem::take(&mut self.disparities));
+        table.clear();
+        table.resize((counts[0] + 1) * width, [0.0; VALUES]);
+        disparities.clear();
+        disparities.resize(counts[0] * counts[1], 0.0);
         let mut out = Self {
             size,
             counts,
             views: [rows, columns],
-            table: vec![[0.0; VALUES]; (counts[0] + 1) * width],
-            disparities: vec![0.0; counts[0] * counts[1]],
+            table,
+            disparities,
             disparity_range: [f32::INFINITY, f32::NEG_INFINITY],
             pixel_range,
             trend: Moments::default(),
@@ -159,7 +165,13 @@ impl Cells {
                 }
             }
         }
-        out
+        *self = out;
+    }
+
+    /// Whether no view has samples.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.trend.weight() == 0.0
     }
 
     /// Whether there are fewer samples than views, so that some have none.
@@ -185,12 +197,9 @@ impl Cells {
         let corner = |row: usize, column: usize| &self.table[row * width + column];
         let [a, b] = [corner(rows.start, columns.start), corner(rows.start, columns.end)];
         let [c, d] = [corner(rows.end, columns.start), corner(rows.end, columns.end)];
-        let mut values = [0.0; VALUES];
-        for k in 0..VALUES {
-            values[k] = (d[k] - c[k]) - (b[k] - a[k]);
-        }
+        let value = |k: usize| (d[k] - c[k]) - (b[k] - a[k]);
         // Numbers of samples are whole and exact; without any, rounding is what is left of the others.
-        if values[4] == 0.0 { Sums::default() } else { sums(values) }
+        if value(4) == 0.0 { Sums::default() } else { sums(std::array::from_fn(value)) }
     }
 
     /// The sums of the cells around a view.

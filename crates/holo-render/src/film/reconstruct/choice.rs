@@ -87,6 +87,12 @@ pub(super) fn relative_to_own(error: f32, own: f32, around: f32) -> f32 {
     error * ratio * ratio
 }
 
+impl Default for Evidence {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
 impl Evidence {
     /// Nothing.
     pub const NONE: Self = Self {
@@ -128,15 +134,15 @@ impl Evidence {
         }
     }
 
-    /// Adds the places of another one.
+    /// Adds the places of another one; both have so many levels.
     #[inline(always)]
-    pub fn merge(&mut self, other: &Self) {
+    pub fn merge(&mut self, other: &Self, levels: usize) {
         self.pixels += other.pixels;
-        for k in 0..LEVELS {
+        for k in 0..levels {
             self.variance[k] += other.variance[k];
             self.weights[k] += other.weights[k];
         }
-        for k in 0..PAIRS {
+        for k in 0..pair(0, levels) {
             self.difference[k] += other.difference[k];
             self.noise[k] += other.noise[k];
             self.spread[k] += other.spread[k];

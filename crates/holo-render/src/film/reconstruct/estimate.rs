@@ -18,7 +18,7 @@ pub(super) struct Planes {
 }
 
 /// A node whose level is chosen.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Finished {
     pub disparity: f32,
     /// Whether there are samples around; without any there is no color.

@@ -23,7 +23,7 @@ pub(super) const WINDOW_COUNT: usize = 5;
 const WINDOWS: [(f32, f32); WINDOW_COUNT] = [(2.5, 0.1), (5.0, 0.15), (9.0, 0.15), (20.0, 0.2), (f32::INFINITY, 0.5)];
 
 /// The first estimates of a node.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Node {
     pub disparity: f32,
     /// Whether some of the views behind its microlens have no samples.
@@ -115,47 +115,51 @@ pub(super) fn window(k: usize, count: usize) -> (f32, f32) {
 /// The rows or columns of cells of each window, in which the point of a node lies close to the center of a microlens.
 type Lines = [Range<usize>; WINDOW_COUNT];
 
-/// Finds them along an axis of the cells of the microlens that is `apart` microlenses away. The point moves by `speed` px
-/// from view to view.
-#[inline(always)]
-fn lines(
-    cells: &Cells,
-    axis: usize,
+/// A node along an axis.
+struct Axis {
+    lens: usize,
     view: usize,
-    apart: f32,
+    /// By how much its point moves from view to view, px.
     speed: f32,
-    (count, wanted): (usize, &Range<usize>),
-) -> Lines {
-    let size = cells.size as f32;
-    let last = cells.counts[axis];
-    let mut out = [const { 0..0 }; WINDOW_COUNT];
-    for k in wanted.clone() {
-        let (distance, beside) = window(k, count);
-        // Those with | apart + speed * away | below `beside`.
-        let ends = [(-beside - apart) / speed, (beside - apart) / speed];
-        let (mut low, mut high) = (ends[0].min(ends[1]).max(-distance), ends[0].max(ends[1]).min(distance));
-        if speed == 0.0 {
-            (low, high) = if apart.abs() <= beside { (-distance, distance) } else { (1.0, 0.0) };
+}
+
+impl Axis {
+    /// Finds them in the cells of microlens number `lens`.
+    #[inline(always)]
+    fn lines(&self, cells: &Cells, axis: usize, lens: usize, (count, wanted): (usize, &Range<usize>)) -> Lines {
+        let Self { view, speed, .. } = *self;
+        let apart = lens as f32 - self.lens as f32;
+        let size = cells.size as f32;
+        let last = cells.counts[axis];
+        let mut out = [const { 0..0 }; WINDOW_COUNT];
+        for k in wanted.clone() {
+            let (distance, beside) = window(k, count);
+            // Those with | apart + speed * away | below `beside`.
+            let ends = [(-beside - apart) / speed, (beside - apart) / speed];
+            let (mut low, mut high) = (ends[0].min(ends[1]).max(-distance), ends[0].max(ends[1]).min(distance));
+            if speed == 0.0 {
+                (low, high) = if apart.abs() <= beside { (-distance, distance) } else { (1.0, 0.0) };
+            }
+            if low > high {
+                continue;
+            }
+            // The middle of a cell is ((2 k + 1) size - 1) / 2; that of the last one may lie before it.
+            let place = |away: f32| (view as f32 + away - (size - 1.0) / 2.0) / size;
+            let mut range = (place(low).ceil().max(0.0) as usize).min(last)
+                ..(place(high).floor() + 1.0).clamp(0.0, last as f32) as usize;
+            let of_last = cells.middle(axis, last - 1) - view as f32;
+            if range.end + 1 == last && of_last <= high {
+                range.end = last;
+            }
+            if range.end == last && of_last < low {
+                range.end -= 1;
+            }
+            if range.start < range.end {
+                out[k] = range;
+            }
         }
-        if low > high {
-            continue;
-        }
-        // The middle of a cell is ((2 k + 1) size - 1) / 2; that of the last one may lie before it.
-        let place = |away: f32| (view as f32 + away - (size - 1.0) / 2.0) / size;
-        let mut range = (place(low).ceil().max(0.0) as usize).min(last)
-            ..(place(high).floor() + 1.0).clamp(0.0, last as f32) as usize;
-        let of_last = cells.middle(axis, last - 1) - view as f32;
-        if range.end + 1 == last && of_last <= high {
-            range.end = last;
-        }
-        if range.end == last && of_last < low {
-            range.end -= 1;
-        }
-        if range.start < range.end {
-            out[k] = range;
-        }
+        out
     }
-    out
 }
 
 /// The `wanted` ones of `count` windows of the pixel at view (t, s) of microlens (v, u), which shows something of this
@@ -179,15 +183,38 @@ pub(super) fn gather(
     let reach = |speed: f32, farthest: f32| ((speed.abs() * farthest + 0.5) as usize).min(REACH);
     let (reach_down, reach_across) = (reach(speed_down, farthest[0]), reach(speed_across, farthest[1]));
     let longest = (down * farthest[0]).max(across * farthest[1]);
-    for row in v.saturating_sub(reach_down)..(v + reach_down + 1).min(lens_rows) {
-        for column in u.saturating_sub(reach_across)..(u + reach_across + 1).min(lens_columns) {
+    let near = [
+        v.saturating_sub(reach_down)..(v + reach_down + 1).min(lens_rows),
+        u.saturating_sub(reach_across)..(u + reach_across + 1).min(lens_columns),
+    ];
+    let largest = wanted.end - 1;
+    let axes = [Axis { lens: v, view: t, speed: speed_down }, Axis { lens: u, view: s, speed: speed_across }];
+    // Lines depend on the size of cells alone, which most microlenses around share with that of the node.
+    let own = &cells.row(v)[u];
+    let mut alike = [const { [const { [const { 0..0 }; WINDOW_COUNT] }; 2 * REACH + 1] }; 2];
+    for axis in 0..2 {
+        for k in near[axis].clone() {
+            alike[axis][k - near[axis].start] = axes[axis].lines(own, axis, k, (count, &wanted));
+        }
+    }
+    for row in near[0].clone() {
+        for column in near[1].clone() {
             let cells = &cells.row(row)[column];
-            let apart = [row as f32 - v as f32, column as f32 - u as f32];
-            let rows = lines(cells, 0, t, apart[0], speed_down, (count, &wanted));
-            if rows[wanted.end - 1].is_empty() {
+            if cells.is_empty() {
                 continue;
             }
-            let columns = lines(cells, 1, s, apart[1], speed_across, (count, &wanted));
+            let others;
+            let [rows, columns] = if cells.size == own.size {
+                [&alike[0][row - near[0].start], &alike[1][column - near[1].start]]
+            } else {
+                let rows = axes[0].lines(cells, 0, row, (count, &wanted));
+                others = [rows, axes[1].lines(cells, 1, column, (count, &wanted))];
+                [&others[0], &others[1]]
+            };
+            if rows[largest].is_empty() || columns[largest].is_empty() {
+                continue;
+            }
+            let apart = [row as f32 - v as f32, column as f32 - u as f32];
             let [low, high] = cells.disparity_range;
             let parting = (low - disparity).abs().max((high - disparity).abs()) * longest;
             let mut add = |k: usize, own: &Sums| {
@@ -203,7 +230,6 @@ pub(super) fn gather(
                     add(k, &cells.sums(&rows[k], &columns[k]));
                 }
             } else {
-                let largest = wanted.end - 1;
                 for row in rows[largest].clone() {
                     let below = (cells.middle(0, row) - t as f32).abs() * down;
                     for column in columns[largest].clone() {

@@ -3,16 +3,18 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// Consecutive rows of microlenses with a value for each microlens.
+/// Consecutive rows of microlenses with as many values for each microlens.
 pub(super) struct Rows<T> {
     first: usize,
     rows: VecDeque<Vec<T>>,
+    /// Forgotten rows, whose memory is used again.
+    spare: Vec<Vec<T>>,
 }
 
 impl<T> Rows<T> {
     /// No rows yet; the first one that is added is row `first`.
     pub fn starting_at(first: usize) -> Self {
-        Self { first, rows: VecDeque::new() }
+        Self { first, rows: VecDeque::new(), spare: Vec::new() }
     }
 
     /// The microlenses of a row that is there.
@@ -21,16 +23,21 @@ impl<T> Rows<T> {
         &self.rows[row - self.first]
     }
 
-    /// Adds the rows up to `end`.
-    pub fn extend_to(&mut self, end: usize, mut find: impl FnMut(usize) -> Vec<T>) {
+    /// Adds the rows up to `end`; `find` writes their values over old ones, or over none.
+    pub fn extend_to(&mut self, end: usize, mut find: impl FnMut(usize, &mut Vec<T>)) {
         for row in self.first + self.rows.len()..end {
-            self.rows.push_back(find(row));
+            let mut values = self.spare.pop().unwrap_or_default();
+            find(row, &mut values);
+            self.rows.push_back(values);
         }
     }
 
     /// Forgets the rows before `start`.
     pub fn forget_before(&mut self, start: usize) {
-        while self.first < start && self.rows.pop_front().is_some() {
+        while self.first < start
+            && let Some(values) = self.rows.pop_front()
+        {
+            self.spare.push(values);
             self.first += 1;
         }
     }

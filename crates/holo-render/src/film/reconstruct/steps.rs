@@ -21,19 +21,27 @@ pub(super) struct Steps {
     pub cells: Rows<Cells>,
     nodes: Rows<Node>,
     evidence: Rows<(Planes, Evidence)>,
+    /// The sums of a row and its neighbors above and below.
+    columns: Vec<Evidence>,
     choices: Rows<Option<Choice>>,
     pub finished: Rows<Finished>,
 }
 
-/// A step of what is behind one microlens.
+/// Where nodes are, how many windows they have, and how many microlenses a row has.
 #[derive(Clone, Copy)]
-struct OfLens<'a, S> {
-    step: S,
-    /// Where nodes are, and how many windows they have.
+struct All<'a> {
     views: &'a NodeViews,
     windows: usize,
     lenses: usize,
+}
+
+/// A step of what is behind one microlens.
+struct OfLens<'a, S, T> {
+    step: S,
+    all: All<'a>,
     lens: [usize; 2],
+    /// What it finds.
+    out: &'a mut [T],
 }
 
 /// Finds cells.
@@ -75,6 +83,7 @@ impl Steps {
             cells: Rows::starting_at(starting(4)),
             nodes: Rows::starting_at(starting(3)),
             evidence: Rows::starting_at(starting(2)),
+            columns: Vec::new(),
             choices: Rows::starting_at(starting(1)),
             finished: Rows::starting_at(starting(0)),
         }
@@ -83,19 +92,19 @@ impl Steps {
     /// Finds what the pixels of row `v` need, and forgets what only those before it did.
     pub fn advance(&mut self, field: &Field, v: usize, filters: bool) {
         let [lens_rows, lenses, ..] = field.grid.shape;
-        let Self { views, windows, cells, nodes, evidence, choices, finished, .. } = self;
-        let (views, windows) = (&*views, *windows);
+        let Self { views, windows, cells, nodes, evidence, columns, choices, finished, .. } = self;
+        let (windows, count) = (*windows, views.count());
         let end = |step: usize| (v + AHEAD[step] + 1).min(lens_rows);
         let levels = if filters { choice::levels(windows) } else { 1 };
-        let all = OfLens { step: (), views, windows, lenses, lens: [0; 2] };
-        cells.extend_to(end(4), |row| all.row(row, ToCells(field)));
-        nodes.extend_to(end(3), |row| all.row(row, ToNodes(field, cells)));
-        evidence.extend_to(end(2), |row| all.row(row, ToEvidence(field, cells, nodes)));
-        choices.extend_to(end(1), |row| {
-            let columns = all.row(row, ToColumns(evidence));
-            all.row(row, ToChoices(&columns, levels))
+        let all = All { views, windows, lenses };
+        cells.extend_to(end(4), |row, out| all.row(row, 1, ToCells(field), out));
+        nodes.extend_to(end(3), |row, out| all.row(row, count, ToNodes(field, cells), out));
+        evidence.extend_to(end(2), |row, out| all.row(row, count, ToEvidence(field, cells, nodes), out));
+        choices.extend_to(end(1), |row, out| {
+            all.row(row, count, ToColumns(evidence), columns);
+            all.row(row, count, ToChoices(columns, levels), out);
         });
-        finished.extend_to(end(0), |row| all.row(row, ToFinished(nodes, evidence, choices)));
+        finished.extend_to(end(0), |row, out| all.row(row, count, ToFinished(nodes, evidence, choices), out));
         let start = |step: usize| (v + 1).saturating_sub(AHEAD[step]);
         cells.forget_before(start(4));
         nodes.forget_before(start(3));
@@ -133,78 +142,77 @@ impl Steps {
     }
 }
 
-impl<'a> OfLens<'a, ()> {
-    /// What a step finds in a row.
-    fn row<T: Send, S: Copy + Sync + Send>(&self, row: usize, step: S) -> Vec<T>
+impl All<'_> {
+    /// Puts what a step finds in a row, so many values for each microlens, in place of what is in `out`.
+    fn row<T: Clone + Default + Send, S: Copy + Sync>(&self, row: usize, per_lens: usize, step: S, out: &mut Vec<T>)
     where
-        OfLens<'a, S>: Kernel<Output = Vec<T>>,
+        for<'a> OfLens<'a, S, T>: Kernel<Output = ()>,
     {
-        let Self { views, windows, lenses, .. } = *self;
-        let of_lens = |u: usize| simd::run(OfLens { step, views, windows, lenses, lens: [row, u] });
-        (0..lenses).into_par_iter().flat_map_iter(of_lens).collect()
+        out.resize(self.lenses * per_lens, T::default());
+        let lenses = out.par_chunks_mut(per_lens).enumerate();
+        lenses.for_each(|(u, out)| simd::run(OfLens { step, all: *self, lens: [row, u], out }));
     }
 }
 
-impl Kernel for OfLens<'_, ToCells<'_>> {
-    type Output = Vec<Cells>;
+impl Kernel for OfLens<'_, ToCells<'_>, Cells> {
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> Vec<Cells> {
+    fn run(self) {
         let (ToCells(field), [v, u]) = (self.step, self.lens);
-        vec![Cells::new(field, v, u)]
+        self.out[0].find(field, v, u);
     }
 }
 
-impl Kernel for OfLens<'_, ToNodes<'_>> {
-    type Output = Vec<Node>;
+impl Kernel for OfLens<'_, ToNodes<'_>, Node> {
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> Vec<Node> {
+    fn run(self) {
         let (ToNodes(field, cells), [v, u]) = (self.step, self.lens);
-        let mut out = Vec::with_capacity(self.views.count());
-        for node in 0..self.views.count() {
-            let [t, s] = self.views.view(node);
+        let All { views, windows: count, .. } = self.all;
+        for (node, out) in self.out.iter_mut().enumerate() {
+            let [t, s] = views.view(node);
             let disparity = field.line(v, t).1[u * field.grid.shape[3] + s][1];
-            let windows = nodes::gather(&field.grid, cells, [v, u, t, s], disparity, self.windows, 0..self.windows);
+            let windows = nodes::gather(&field.grid, cells, [v, u, t, s], disparity, count, 0..count);
             let own = &cells.row(v)[u];
-            out.push(Node { disparity, is_sparse: own.is_sparse(), windows, trend: own.trend_at([t, s]) });
+            *out = Node { disparity, is_sparse: own.is_sparse(), windows, trend: own.trend_at([t, s]) };
         }
-        out
     }
 }
 
-impl Kernel for OfLens<'_, ToEvidence<'_>> {
-    type Output = Vec<(Planes, Evidence)>;
+impl Kernel for OfLens<'_, ToEvidence<'_>, (Planes, Evidence)> {
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> Vec<(Planes, Evidence)> {
+    fn run(self) {
         let (ToEvidence(_, _, nodes), [v, u]) = (self.step, self.lens);
-        let count = self.views.count();
-        let mut out = Vec::with_capacity(count);
+        let All { windows, lenses, .. } = self.all;
+        let count = self.out.len();
         for node in 0..count {
-            let planes = estimate::planes(nodes, [v, u], (node, count), self.lenses, self.windows);
+            let planes = estimate::planes(nodes, [v, u], (node, count), lenses, windows);
             let own = &nodes.row(v)[u * count + node];
             let mut evidence = Evidence::NONE;
             for witness in [self.witness(node, false), self.witness(node, true)].into_iter().flatten() {
-                estimate::add_evidence(&mut evidence, own, &planes, &witness, self.windows);
+                estimate::add_evidence(&mut evidence, own, &planes, &witness, windows);
             }
-            out.push((planes, evidence));
+            self.out[node] = (planes, evidence);
         }
-        out
     }
 }
 
-impl OfLens<'_, ToEvidence<'_>> {
+impl OfLens<'_, ToEvidence<'_>, (Planes, Evidence)> {
     /// The pixel at the view of a node, or one between it and others; `None` if that takes its light from elsewhere.
     #[inline(always)]
     fn witness(&self, node: usize, is_between: bool) -> Option<Witness> {
         let (ToEvidence(field, cells, _), [v, u]) = (self.step, self.lens);
         let Grid { shape, movement, .. } = field.grid;
-        let at = self.views.view(node);
+        let views = self.all.views;
+        let at = views.view(node);
         let mut view = at;
         if is_between {
             // In another direction at each microlens, the same whichever lens rows there are.
-            let half = self.views.farthest().map(|views| views.div_ceil(2));
+            let half = views.farthest().map(|views| views.div_ceil(2));
             for axis in 0..2 {
                 let towards_end = (u >> axis).is_multiple_of(2);
                 view[axis] = if towards_end { at[axis] + half[axis] } else { at[axis].saturating_sub(half[axis]) };
@@ -233,60 +241,60 @@ impl OfLens<'_, ToEvidence<'_>> {
             let around = cells.sums_around(view);
             seen = Some([luminance(colors[place]), around.variance / around.weight / samples]);
         }
-        let is_still = cells.is_still(self.views.farthest_movement(&field.grid));
+        let is_still = cells.is_still(views.farthest_movement(&field.grid));
         Some(Witness { seen, is_between, is_still, offset })
     }
 }
 
-impl Kernel for OfLens<'_, ToColumns<'_>> {
-    type Output = Vec<Evidence>;
+impl Kernel for OfLens<'_, ToColumns<'_>, Evidence> {
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> Vec<Evidence> {
+    fn run(self) {
         let (ToColumns(evidence), [v, u]) = (self.step, self.lens);
-        let count = self.views.count();
-        let mut out = vec![Evidence::NONE; count];
+        let count = self.out.len();
+        self.out.fill(Evidence::NONE);
         for row in evidence.near(v, LENSES) {
-            for (sum, (_, own)) in out.iter_mut().zip(&evidence.row(row)[u * count..][..count]) {
-                sum.merge(own);
+            for (sum, (_, own)) in self.out.iter_mut().zip(&evidence.row(row)[u * count..][..count]) {
+                sum.merge(own, choice::levels(self.all.windows));
             }
         }
-        out
     }
 }
 
-impl Kernel for OfLens<'_, ToChoices<'_>> {
-    type Output = Vec<Option<Choice>>;
+impl Kernel for OfLens<'_, ToChoices<'_>, Option<Choice>> {
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> Vec<Option<Choice>> {
+    fn run(self) {
         let (ToChoices(columns, levels), [_, u]) = (self.step, self.lens);
-        let count = self.views.count();
-        let observations = estimate::observations(self.windows);
-        let mut out = Vec::with_capacity(count);
-        for node in 0..count {
+        let All { views, windows, lenses } = self.all;
+        let count = self.out.len();
+        let (all, observations) = (choice::levels(windows), estimate::observations(windows));
+        for (node, out) in self.out.iter_mut().enumerate() {
             let mut near = Evidence::NONE;
-            for column in u.saturating_sub(LENSES)..(u + LENSES + 1).min(self.lenses) {
-                self.views.around(node).for_each(|other| near.merge(&columns[column * count + other]));
+            for column in u.saturating_sub(LENSES)..(u + LENSES + 1).min(lenses) {
+                for other in views.around(node) {
+                    near.merge(&columns[column * count + other], all);
+                }
             }
-            out.push(near.choose(levels, &observations));
+            *out = near.choose(levels, &observations);
         }
-        out
     }
 }
 
-impl Kernel for OfLens<'_, ToFinished<'_>> {
-    type Output = Vec<Finished>;
+impl Kernel for OfLens<'_, ToFinished<'_>, Finished> {
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> Vec<Finished> {
+    fn run(self) {
         let (ToFinished(nodes, evidence, choices), [v, u]) = (self.step, self.lens);
-        let count = self.views.count();
-        let mut out = Vec::with_capacity(count);
+        let All { windows, lenses, .. } = self.all;
+        let count = self.out.len();
         for node in 0..count {
             let (mut mean, mut sum) = (Choice::default(), 0.0);
             for row in choices.near(v, SMOOTHED) {
-                for column in u.saturating_sub(SMOOTHED)..(u + SMOOTHED + 1).min(self.lenses) {
+                for column in u.saturating_sub(SMOOTHED)..(u + SMOOTHED + 1).min(lenses) {
                     if let Some(choice) = choices.row(row)[column * count + node] {
                         mean.level += choice.level;
                         mean.error += choice.error;
@@ -298,9 +306,8 @@ impl Kernel for OfLens<'_, ToFinished<'_>> {
                 (mean.level, mean.error) = (mean.level / sum, mean.error / sum);
             }
             let place = u * count + node;
-            out.push(estimate::finish(&nodes.row(v)[place], &evidence.row(v)[place].0, mean, self.windows));
+            self.out[node] = estimate::finish(&nodes.row(v)[place], &evidence.row(v)[place].0, mean, windows);
         }
-        estimate::fill(&mut out);
-        out
+        estimate::fill(self.out);
     }
 }

@@ -170,7 +170,10 @@ fn gathering_is_its_definition() {
         let grid = Grid { shape, movement: [0.5, 1.0] };
         let field = Field { grid, color: &synthetic.color, guides: &synthetic.guides };
         let mut cells = Rows::starting_at(0);
-        cells.extend_to(shape[0], |v| (0..shape[1]).map(|u| Cells::new(&field, v, u)).collect());
+        cells.extend_to(shape[0], |v, row| {
+            row.resize(shape[1], Cells::default());
+            row.iter_mut().enumerate().for_each(|(u, cells)| cells.find(&field, v, u));
+        });
         let count = nodes::window_count([14, 23]);
         for pixel in [[0, 0, 0, 0], [3, 4, 7, 11], [6, 8, 13, 22], [2, 7, 1, 20], [5, 1, 12, 3]] {
             let windows = gather(&grid, &cells, pixel, speed, count, 0..count);

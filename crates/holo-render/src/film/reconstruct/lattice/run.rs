@@ -10,7 +10,7 @@ use super::super::choice::{Choice, Evidence, LEVELS};
 use super::super::{SMOOTHED, SPREAD_REACH};
 use super::LENSES;
 use super::blocks::Blocks;
-use super::gather::{WINDOW_COUNT, gather};
+use super::gather::{Neighborhood, Sampled, WINDOW_COUNT};
 use super::{Lattice, Source};
 use crate::film::error_distribution::ErrorDistribution;
 use crate::film::guides::luminance;
@@ -52,27 +52,27 @@ struct Finished {
 }
 
 /// A microlens that is observed, for every instruction set.
-struct ObserveLens<'a, 'b>(&'b LatticeReconstruction<'a>, usize);
+struct ObserveLens<'a, 'b>(&'b LatticeReconstruction<'a>, Neighborhood<'b>);
 
 impl Kernel for ObserveLens<'_, '_> {
     type Output = Vec<Observed>;
 
     #[inline(always)]
     fn run(self) -> Vec<Observed> {
-        self.0.observe(self.1)
+        self.0.observe(&self.1)
     }
 }
 
 /// A microlens that is finished, with the choices from a number on.
-struct FinishLens<'a, 'b>(&'b LatticeReconstruction<'a>, usize, (&'b [Vec<Choice>], usize));
+struct FinishLens<'a, 'b>(&'b LatticeReconstruction<'a>, Neighborhood<'b>, (&'b [Vec<Choice>], usize));
 
 impl Kernel for FinishLens<'_, '_> {
     type Output = Vec<Finished>;
 
     #[inline(always)]
     fn run(self) -> Vec<Finished> {
-        let Self(reconstruction, lens, (chosen, first)) = self;
-        reconstruction.finish(lens, chosen, first)
+        let Self(reconstruction, near, (chosen, first)) = self;
+        reconstruction.finish(&near, chosen, first)
     }
 }
 
@@ -88,6 +88,8 @@ impl LatticeReconstruction<'_> {
         let mut distribution = ErrorDistribution::default();
         let (lattice, columns) = (self.lattice, self.lattice.grid[1]);
         let lens_rows = lattice.lens_rows(&self.rows);
+        let (sources, sampled) = (self.sources, Sampled::find(lattice, self.sources));
+        let near = |lens: usize| Neighborhood::new(lattice, sources, sampled.as_ref(), lens);
         for start in lens_rows.clone().step_by(BAND_ROWS) {
             let band = start..(start + BAND_ROWS).min(lens_rows.end);
             let wider = |by: usize| {
@@ -97,11 +99,11 @@ impl LatticeReconstruction<'_> {
             let (observed_lenses, chosen_lenses) = (wider(SMOOTHED + LENSES), wider(SMOOTHED));
             let first = observed_lenses.start;
             let observed: Vec<Vec<Observed>> =
-                observed_lenses.into_par_iter().map(|lens| simd::run(ObserveLens(&self, lens))).collect();
+                observed_lenses.into_par_iter().map(|lens| simd::run(ObserveLens(&self, near(lens)))).collect();
             let first_chosen = chosen_lenses.start;
             let chosen: Vec<Vec<Choice>> =
                 chosen_lenses.into_par_iter().map(|lens| self.choose(lens, &observed, first)).collect();
-            let finish = |lens: usize| simd::run(FinishLens(&self, lens, (&chosen, first_chosen)));
+            let finish = |lens: usize| simd::run(FinishLens(&self, near(lens), (&chosen, first_chosen)));
             let finished: Vec<Vec<Finished>> = wider(0).into_par_iter().map(finish).collect();
             for pixels in finished {
                 let errors: Vec<f32> = pixels.iter().map(|pixel| pixel.error).collect();
@@ -130,8 +132,8 @@ impl LatticeReconstruction<'_> {
     /// The evidence of the blocks of a microlens, from about every second row and column of its pixels. Empty for a
     /// microlens without pixels.
     #[inline(always)]
-    fn observe(&self, lens: usize) -> Vec<Observed> {
-        let (lattice, levels) = (self.lattice, self.levels());
+    fn observe(&self, near: &Neighborhood) -> Vec<Observed> {
+        let (lattice, levels, lens) = (self.lattice, self.levels(), near.lens());
         let blocks = lattice.blocks();
         let own = &lattice.lenses[lens];
         if own.rows.is_empty() {
@@ -149,7 +151,7 @@ impl LatticeReconstruction<'_> {
                 if !is_sampled || lattice.owners[place] as usize != lens || !self.sources[place].is_lit() {
                     continue;
                 }
-                let found = gather(lattice, self.sources, lens, [row, column], levels - 1);
+                let found = near.gather([row, column], levels - 1);
                 let mut estimates = [None; LEVELS];
                 let block = &mut out[blocks.of([t, s])];
                 for (level, sums) in found.iter().enumerate().take(levels).filter(|(_, sums)| sums.weight > 0.0) {
@@ -186,7 +188,7 @@ impl LatticeReconstruction<'_> {
             let (mut window_pixels, mut pixels) = ([0.0; LEVELS], 0.0);
             for number in self.alike(lens, LENSES, first, observed.len()) {
                 let Some(found) = observed[number].get(block).filter(|found| found.pixels > 0.0) else { continue };
-                near.merge(&found.evidence);
+                near.merge(&found.evidence, levels);
                 lenses += 1.0;
                 pixels += found.pixels;
                 for (sum, count) in window_pixels.iter_mut().zip(found.counts) {
@@ -205,8 +207,8 @@ impl LatticeReconstruction<'_> {
 
     /// The pixels of a microlens from the choices around it, which are those of the microlenses from `first` on.
     #[inline(always)]
-    fn finish(&self, lens: usize, chosen: &[Vec<Choice>], first: usize) -> Vec<Finished> {
-        let lattice = self.lattice;
+    fn finish(&self, near: &Neighborhood, chosen: &[Vec<Choice>], first: usize) -> Vec<Finished> {
+        let (lattice, lens) = (self.lattice, near.lens());
         let blocks = lattice.blocks();
         let own = &lattice.lenses[lens];
         let smooth = self.smooth(lens, &blocks, chosen, first);
@@ -221,7 +223,7 @@ impl LatticeReconstruction<'_> {
                 }
                 let view = [lattice.view(own.center[1], row), lattice.view(own.center[0], column)];
                 let choice = blocks.interpolate(&smooth, view);
-                let color = self.color.is_some().then(|| self.color_of((lens, &mean), [row, column], choice.level));
+                let color = self.color.is_some().then(|| self.color_of((near, &mean), [row, column], choice.level));
                 out.push(Finished { place, color, error: choice.error.sqrt() });
             }
         }
@@ -241,12 +243,17 @@ impl LatticeReconstruction<'_> {
     /// The light of a pixel: the mean over a window, or a mixture of those over two, times its share. Without samples in any it
     /// is the mean of its microlens.
     #[inline(always)]
-    fn color_of(&self, (lens, mean): (usize, &OnceCell<[f32; 3]>), [row, column]: [usize; 2], level: f32) -> [f32; 3] {
+    fn color_of(
+        &self,
+        (near, mean): (&Neighborhood, &OnceCell<[f32; 3]>),
+        [row, column]: [usize; 2],
+        level: f32,
+    ) -> [f32; 3] {
         // Means of levels may be rounded up.
         let level = level.clamp(0.0, (self.levels() - 1) as f32);
         let (lower, upper) = (level.floor() as usize, level.ceil() as usize);
         let part = level - lower as f32;
-        let sums = gather(self.lattice, self.sources, lens, [row, column], self.levels() - 1);
+        let sums = near.gather([row, column], self.levels() - 1);
         let share = self.sources[self.lattice.place(row, column)].share;
         // Without samples the next larger window.
         let means = |level: usize| sums[level..self.levels()].iter().find(|sums| sums.weight > 0.0).map(Sums::means);
@@ -255,7 +262,7 @@ impl LatticeReconstruction<'_> {
             (Some(low), Some(high)) => {
                 std::array::from_fn(|c| if part > 0.0 { low[c] + (high[c] - low[c]) * part } else { low[c] })
             }
-            (None, _) => *mean.get_or_init(|| self.mean_of(lens)),
+            (None, _) => *mean.get_or_init(|| self.mean_of(near.lens())),
         };
         color.map(|value| value * share)
     }

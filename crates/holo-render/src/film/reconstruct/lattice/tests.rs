@@ -1,6 +1,7 @@
 use holo_core::GridSize;
 use holo_core::plenoptic::{ImageSensor, MainLens, MicrolensArray};
 
+use super::gather::{Neighborhood, Sampled, WINDOW_COUNT};
 use super::*;
 use crate::film::guides::luminance;
 use crate::sampling::hash;
@@ -180,6 +181,66 @@ fn parts_and_threads_give_the_same_bytes() {
                     part.0 == color[same.clone()] && part.1 == error[same],
                     "{grid:?} {disparity}, rows {rows:?} differ"
                 );
+            }
+        }
+    }
+}
+
+/// The number of samples in the windows of a pixel: of all pixels behind all microlenses, one after the other.
+fn counted(field: &Synthetic, lens: usize, pixel: [usize; 2]) -> [f32; WINDOW_COUNT] {
+    let Synthetic { lattice, sources } = field;
+    let own = &lattice.lenses[lens];
+    let Source { disparity, .. } = sources[lattice.place(pixel[0], pixel[1])];
+    let spot = lattice.spot(own.lens_type, disparity);
+    let mut out = [0.0; WINDOW_COUNT];
+    for (place, source) in sources.iter().enumerate().filter(|(_, source)| source.has_samples()) {
+        let other = [lattice.rows.start + place / lattice.columns, place % lattice.columns];
+        let theirs = &lattice.lenses[lattice.owners[place] as usize];
+        // Rows, columns: how far the viewpoint is, and how far the point from what the other pixel sees.
+        let [below, beside] = [0, 1].map(|axis| {
+            let [from, to] = [own, theirs].map(|lens| lens.center[1 - axis]);
+            let apart = (other[axis] as f64 - (pixel[axis] as f64 - from + to)) as f32;
+            let way = (theirs.place[1 - axis] - own.place[1 - axis]) as f32;
+            (apart.abs(), (disparity * apart + way).abs())
+        });
+        let is_same = (source.disparity - disparity).abs() * below.0.max(beside.0) <= 0.25 * spot;
+        for (level, count) in out.iter_mut().enumerate().skip(1) {
+            let (distance, near) = [(0.0, 0.0), (2.5, 0.1), (4.5, 0.15), (7.5, 0.15), (10.5, 0.2)][level];
+            let sees = |(apart, away): (f32, f32)| apart <= distance && away <= near * spot;
+            if is_same && sees(below) && sees(beside) {
+                *count += source.samples;
+            }
+        }
+    }
+    out[0] = if sources[lattice.place(pixel[0], pixel[1])].has_samples() { 4.0 } else { 0.0 };
+    out
+}
+
+/// Windows have the pixels that all microlenses have there; with and without a list of those with samples they have the
+/// same bits.
+#[test]
+fn windows_are_those_of_a_search_of_all_pixels() {
+    for grid in [MicrolensGrid::Square, MicrolensGrid::HexRows, MicrolensGrid::HexColumns] {
+        let camera = camera(grid, 9.0, GridSize::new(90, 100));
+        for (disparity, one_in) in [(0.02, 1), (0.02, 16), (0.11, 16), (-0.3, 5), (0.0, 16)] {
+            let mut field = Synthetic::new(&camera, 0..90, disparity, 0.1, |[x, _]| 1.0 + x.sin());
+            for (place, source) in field.sources.iter_mut().enumerate() {
+                let [chance, jump] = [7, 8].map(|seed| uniform(seed, place / 100, place % 100));
+                source.samples = if chance * one_in as f32 > 1.0 { 0.0 } else { 4.0 };
+                source.disparity += if jump > 0.9 { 0.4 } else { 0.0 };
+            }
+            let Synthetic { lattice, sources } = &field;
+            let sampled = Sampled::find(lattice, sources);
+            assert_eq!(sampled.is_some(), one_in > 4, "one in {one_in}");
+            for pixel in [[45, 50], [46, 57], [20, 71], [3, 4], [88, 99]] {
+                let lens = lattice.owners[lattice.place(pixel[0], pixel[1])] as usize;
+                let all = Neighborhood::new(lattice, sources, None, lens).gather(pixel, WINDOW_COUNT - 1);
+                let counts = all.map(|sums| sums.weight);
+                assert_eq!(counts, counted(&field, lens, pixel), "{grid:?} {disparity} {one_in} {pixel:?}");
+                let listed = Neighborhood::new(lattice, sources, sampled.as_ref(), lens);
+                let bits = |sums: &Sums| [sums.color[0], sums.color[2], sums.variance, sums.weight].map(f32::to_bits);
+                let listed = listed.gather(pixel, WINDOW_COUNT - 1);
+                assert_eq!(listed.each_ref().map(bits), all.each_ref().map(bits), "{grid:?} {disparity} {pixel:?}");
             }
         }
     }
