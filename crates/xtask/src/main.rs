@@ -20,7 +20,7 @@
 //! wild DIR setup + render every glTF file below DIR, compare with Cycles, write a table into target/wild/
 //! consumers DIR setup + build + run the loading code of the repositories below DIR over what `holo export` writes
 //! speed OLD setup + two builds of `holo` by turns, programs or commits: what NEW (this one) gains or costs
-//! report   setup + measure speed against error into report/; --peers: beside Mitsuba and Blender
+//! report   setup + measure speed against error into target/report; --peers: beside Mitsuba and Blender
 //! ```
 #![forbid(unsafe_code)]
 

@@ -75,7 +75,10 @@ pub fn run(arguments: &[String]) -> Result {
     }
     println!("  upload target/wheels to PyPI, one wheel a system");
     println!("  upload target/blender/holoscopic-{0}.zip to extensions.blender.org", env!("CARGO_PKG_VERSION"));
-    println!("  git tag v{0}, and attach target/dist/holo-{0}-* to it", env!("CARGO_PKG_VERSION"));
+    println!(
+        "  git tag v{0}, and attach target/dist/holo-{0}-* and target/report (cargo xtask report --peers) to it",
+        env!("CARGO_PKG_VERSION")
+    );
     println!("  the full citation of the paper, which no document has yet");
     if failed == 0 { Ok(()) } else { Err(format!("{failed} steps failed")) }
 }

@@ -1,6 +1,8 @@
 //! Measures speed and error: `cargo xtask report [--quick] [--peers] [--only TEXT].. [--out DIR]`.
 //!
-//! Writes `REPORT.md`, one CSV file per table, and SVG plots. With `--only`, once or more, the other sections of the report stay. Every time is the median of several runs of this process
+//! Writes into `target/report` `REPORT.md`, its summary `SUMMARY.md`, one CSV file per table, and SVG plots; the
+//! repository keeps the summary and some plots of a whole run in `report`. With `--only`, once or more, the other
+//! sections of the folder stay. Every time is the median of several runs of this process
 //! with their spread (BVH builds: one run), as a ratio to a comparable time if there is one. Every error is against a
 //! reference: a render with many samples, a closed form, brute-force intersection in f64, the original bits, or
 //! Mitsuba's images in `tests/radiance`.
@@ -78,7 +80,7 @@ const SECTIONS: [(&str, SectionFn); 12] = [
 ];
 
 fn main() {
-    let (mut quick, mut with_peers, mut only, mut out) = (false, false, Vec::new(), PathBuf::from("report"));
+    let (mut quick, mut with_peers, mut only, mut out) = (false, false, Vec::new(), PathBuf::from("target/report"));
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {

@@ -1,6 +1,6 @@
 //! The page of a report: sections that are measured now, and those that an earlier run has measured.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -9,6 +9,9 @@ use crate::{Section, scenes};
 
 /// The rows of the summary, with the section that each is of.
 const SUMMARY: &str = "in_short.csv";
+
+/// The summary on a page of its own: the part of a report that the repository keeps.
+const SUMMARY_PAGE: &str = "SUMMARY.md";
 
 /// The sections of a report in a folder.
 pub struct Page {
@@ -19,13 +22,20 @@ pub struct Page {
     highlights: Vec<[String; 4]>,
     /// Names and contents of other files.
     files: Vec<(String, String)>,
+    /// The sections that this run has measured.
+    measured: BTreeSet<String>,
 }
 
 impl Page {
     /// The report in `folder`, with the sections that it has if `keeps` them.
     pub fn open(folder: &Path, keeps: bool) -> Self {
-        let mut page =
-            Self { folder: folder.to_owned(), texts: BTreeMap::new(), highlights: Vec::new(), files: Vec::new() };
+        let mut page = Self {
+            folder: folder.to_owned(),
+            texts: BTreeMap::new(),
+            highlights: Vec::new(),
+            files: Vec::new(),
+            measured: BTreeSet::new(),
+        };
         let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
         if keeps {
             let text = read("REPORT.md");
@@ -49,6 +59,7 @@ impl Page {
             self.files.push((format!("{name}.svg"), svg.clone()));
         }
         self.texts.insert(title.to_owned(), text.trim_end().to_owned());
+        self.measured.insert(title.to_owned());
         self.files
             .push((format!("{}.csv", title.to_lowercase().replace(':', "").replace(' ', "_")), section.table.csv()));
         self.highlights.retain(|row| row[0] != title);
@@ -66,10 +77,10 @@ impl Page {
         for title in titles {
             self.highlights.iter().filter(|row| row[0] == *title).for_each(|row| summary.push(row.clone()));
         }
+        let times = "Times are medians; ± is half the difference between the slowest and the fastest run. On shared \
+                     machines only ratios are reliable.";
         let mut text = format!(
-            "# Speed against error\n\nEvery section names the machine that it was measured on. Times are medians; ± is \
-             half the difference between the slowest and the fastest run. On shared machines only ratios are \
-             reliable.\n\n## Summary\n\n{}",
+            "# Speed against error\n\nEvery section names the machine that it was measured on. {times}\n\n## Summary\n\n{}",
             summary.markdown()
         );
         for (title, section) in titles.iter().filter_map(|title| Some((title, self.texts.get(*title)?))) {
@@ -78,6 +89,24 @@ impl Page {
         let write = |name: &str, text: &str| std::fs::write(self.folder.join(name), text);
         self.files.iter().try_for_each(|(name, text)| write(name, text))?;
         write(SUMMARY, &summary.csv())?;
+        write(SUMMARY_PAGE, &self.summary_page(&summary, times))?;
         write("REPORT.md", &text)
+    }
+
+    /// The summary, and which sections are older than this run.
+    fn summary_page(&self, summary: &Table, times: &str) -> String {
+        let older: Vec<&str> =
+            self.texts.keys().map(String::as_str).filter(|title| !self.measured.contains(*title)).collect();
+        let runs = if older.is_empty() {
+            "All of it is one run.".to_owned()
+        } else {
+            format!("Older than this run, maybe of another machine: {}.", older.join(", "))
+        };
+        format!(
+            "# Speed against error, in short\n\n{} {runs} {times} `cargo xtask report --peers` measures it again, with \
+             all tables in `REPORT.md`.\n\n{}",
+            scenes::machine(),
+            summary.markdown()
+        )
     }
 }
