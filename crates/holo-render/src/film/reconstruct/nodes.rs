@@ -160,6 +160,22 @@ impl Axis {
         }
         out
     }
+
+    /// Those of the microlenses `near`, whose cells have the size of these.
+    #[inline(always)]
+    fn all_lines(
+        &self,
+        cells: &Cells,
+        axis: usize,
+        near: &Range<usize>,
+        wanted: (usize, &Range<usize>),
+    ) -> [Lines; 2 * REACH + 1] {
+        let mut out = [const { [const { 0..0 }; WINDOW_COUNT] }; 2 * REACH + 1];
+        for lens in near.clone() {
+            out[lens - near.start] = self.lines(cells, axis, lens, wanted);
+        }
+        out
+    }
 }
 
 /// The `wanted` ones of `count` windows of the pixel at view (t, s) of microlens (v, u), which shows something of this
@@ -191,12 +207,8 @@ pub(super) fn gather(
     let axes = [Axis { lens: v, view: t, speed: speed_down }, Axis { lens: u, view: s, speed: speed_across }];
     // Lines depend on the size of cells alone, which most microlenses around share with that of the node.
     let own = &cells.row(v)[u];
-    let mut alike = [const { [const { [const { 0..0 }; WINDOW_COUNT] }; 2 * REACH + 1] }; 2];
-    for axis in 0..2 {
-        for k in near[axis].clone() {
-            alike[axis][k - near[axis].start] = axes[axis].lines(own, axis, k, (count, &wanted));
-        }
-    }
+    let down_lines = axes[0].all_lines(own, 0, &near[0], (count, &wanted));
+    let across_lines = axes[1].all_lines(own, 1, &near[1], (count, &wanted));
     for row in near[0].clone() {
         for column in near[1].clone() {
             let cells = &cells.row(row)[column];
@@ -205,7 +217,7 @@ pub(super) fn gather(
             }
             let others;
             let [rows, columns] = if cells.size == own.size {
-                [&alike[0][row - near[0].start], &alike[1][column - near[1].start]]
+                [&down_lines[row - near[0].start], &across_lines[column - near[1].start]]
             } else {
                 let rows = axes[0].lines(cells, 0, row, (count, &wanted));
                 others = [rows, axes[1].lines(cells, 1, column, (count, &wanted))];
@@ -247,6 +259,16 @@ pub(super) fn gather(
             }
         }
     }
+    windows(&sums, &offsets, wanted)
+}
+
+/// The `wanted` windows with these sums of samples and of their offsets.
+#[inline(always)]
+fn windows(
+    sums: &[Sums; WINDOW_COUNT],
+    offsets: &[[f32; 2]; WINDOW_COUNT],
+    wanted: Range<usize>,
+) -> [Window; WINDOW_COUNT] {
     let mut out = [Window::default(); WINDOW_COUNT];
     for k in wanted {
         let all = &sums[k];
