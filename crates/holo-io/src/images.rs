@@ -12,4 +12,5 @@ pub(crate) mod mosaic;
 pub(crate) mod mp4;
 pub(crate) mod pfm;
 pub(crate) mod png;
+pub(crate) mod sgi;
 pub(crate) mod tiff;

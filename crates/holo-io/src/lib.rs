@@ -29,7 +29,7 @@
 //! | animated PNG | [`write_png_animation`] | |
 //! | animated GIF | [`write_gif_animation`] | |
 //! | MP4 | [`write_mp4_animation`], by the program `ffmpeg` | |
-//! | PNGs or TIFFs, one a view | | [`read_views`] |
+//! | PNGs, TIFFs or SGI images, one a view | | [`read_views`] |
 //! | PNG as a stream | [`encode_png`] | [`decode_png`] |
 //! | TIFF, 8 and 16 bit, 32- and 64-bit float | [`write_tiff`] | [`read_tiff`], [`read_tiff_info`] |
 //! | TIFF as a stream | [`encode_tiff`] | [`decode_tiff`] |

@@ -11,6 +11,7 @@ mod folder;
 pub mod gantry;
 mod grid_of_names;
 pub mod hci;
+mod light_pack;
 mod natural_order;
 mod options;
 mod plenoptic;
@@ -42,6 +43,7 @@ pub use reader::{LightFieldFile, LightFieldFormat, LightFieldReader};
 /// | folder of an unfocused plenoptic camera | `camera.toml`, `raw.exr` or `raw_linear.png` | the camera |
 /// | HCI folder | `parameters.cfg` and `input_Cam*.png` | `parameters.cfg` |
 /// | Stanford gantry folder | `out_ROW_COLUMN_Y_X.png` | none: the unit of its positions is unknown |
+/// | LightPack of Stanford | `NAME.lid`: its words; images `NAME.U.V.rgb` of one slab, or `.tif`, `.png` | none |
 /// | MIT Synthetic Light Field Archive | `NAME_5x5_apA` with `NAME-01.png` to `-25` | aperture A, the archive's README |
 /// | ESLF of Lytro | `NAME_eslf.png`, `NAME.eslf.png`: 14 x 14 views, linear, with alpha | none ¹ |
 /// | `lf.h5` of the old HCI benchmark | its dataset `/LF` | its attributes |

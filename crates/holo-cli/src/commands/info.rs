@@ -42,7 +42,7 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
         }
         FileInfo::Datasets(entries) => entries.iter().try_for_each(|entry| out!("{}", entry.path.display())),
         FileInfo::Other(FileFormat::Mat5 | FileFormat::Mat73) => mat(path),
-        FileInfo::Other(FileFormat::Hdf5) => hdf5(path),
+        FileInfo::Other(FileFormat::Hdf5 | FileFormat::LightPack) => light_field(path),
         _ => Ok(()),
     }
 }
@@ -55,7 +55,7 @@ fn mat(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-fn hdf5(path: &Path) -> Result<(), Failure> {
+fn light_field(path: &Path) -> Result<(), Failure> {
     light_field_lines(&LightFieldReader::open(path, &ReadOptions::default())?)
 }
 

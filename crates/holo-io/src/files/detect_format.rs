@@ -23,6 +23,10 @@ pub enum FileFormat {
     Dng,
     /// A PFM float image, gray or color.
     Pfm,
+    /// An SGI image (`.rgb`).
+    Sgi,
+    /// The description of a light field of Stanford's LightPack (`.lid`).
+    LightPack,
     /// A container of a Lytro camera, `.lfp` or `.lfr`; see [`LytroImage`](crate::interop::LytroImage).
     Lytro,
     /// An OpenEXR image; `read_exr_info` reads its size and channels.
@@ -83,6 +87,8 @@ pub fn detect_format(path: impl AsRef<Path>) -> Result<FileFormat, Error> {
         [0x89, b'L', b'F', b'P', b'\r', b'\n', 0x1a, b'\n', ..] => FileFormat::Lytro,
         [b'P', b'f' | b'F', space, ..] if space.is_ascii_whitespace() => FileFormat::Pfm,
         [0x76, 0x2f, 0x31, 0x01, ..] => FileFormat::Exr,
+        // Verbatim or run-length coded, of 1 or 2 bytes.
+        [0x01, 0xda, 0 | 1, 1 | 2, ..] => FileFormat::Sgi,
         text if [&b"#?RADIANCE"[..], b"#?RGBE"].iter().any(|signature| text.starts_with(signature)) => FileFormat::Hdr,
         [0x89, b'H', b'D', b'F', b'\r', b'\n', 0x1a, b'\n', ..] => FileFormat::Hdf5,
         [b'M', b'A', b'T', b'L', b'A', b'B', b' ', ..] if is_mat(&head, 0x01) => FileFormat::Mat5,
@@ -95,6 +101,7 @@ pub fn detect_format(path: impl AsRef<Path>) -> Result<FileFormat, Error> {
             json_format(source)
         }
         text if has_sections(text) => FileFormat::ParametersCfg,
+        text if has_slab(text) => FileFormat::LightPack,
         _ => FileFormat::Unknown,
     };
     Ok(format)
@@ -125,6 +132,11 @@ fn has_sections(text: &[u8]) -> bool {
     let has =
         |section: &[u8]| text.split(|byte| matches!(byte, b'\n' | b'\r')).any(|line| line.trim_ascii() == section);
     has(b"[intrinsics]") && has(b"[extrinsics]")
+}
+
+/// Whether a line of a text begins with the word for the plane of cameras.
+fn has_slab(text: &[u8]) -> bool {
+    text.split(|byte| matches!(byte, b'\n' | b'\r')).any(|line| line.trim_ascii_start().starts_with(b"SLAB_UV"))
 }
 
 /// The format of a JSON file from its top-level keys `format` and `asset`, wherever in the file they are.

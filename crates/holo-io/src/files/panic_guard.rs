@@ -14,7 +14,7 @@ thread_local! {
 /// Whether this thread is inside this crate's panic guard: a panic now becomes an [`Error`](crate::Error), so a panic
 /// hook should print nothing.
 ///
-/// Only the decoders of the features `exr`, `mat` and `tiff` need the guard; without these features this is always false.
+/// The decoders of EXR, MAT, TIFF and SGI files need the guard.
 #[must_use]
 pub fn is_guarding() -> bool {
     GUARDING.get()

@@ -6,6 +6,7 @@ use holo_core::{ColorEncoding, DynImage, DynImageRef, GridSize, SampleKind};
 use ndarray::{ArrayView3, Axis};
 
 use crate::images::linear_image::{plain_channels, read_plain_exr};
+use crate::images::sgi::{SgiInfo, read_sgi, read_sgi_info};
 use crate::{Compression, Error, FileDigest, Limits, read_png, read_png_info, write_pfm, write_pfm_rgb, write_png};
 use crate::{FileFormat, files::detect_format};
 
@@ -22,7 +23,7 @@ pub(crate) fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
 
-/// Reads the header of a PNG, TIFF or OpenEXR.
+/// Reads the header of a PNG, TIFF, OpenEXR or SGI image.
 pub(crate) fn read_image_info(path: &Path) -> Result<ImageInfo, Error> {
     match detect_format(path)? {
         FileFormat::Tiff | FileFormat::Dng => {
@@ -34,6 +35,10 @@ pub(crate) fn read_image_info(path: &Path) -> Result<ImageInfo, Error> {
             let channels = plain_channels(&info, path)?;
             return Ok(ImageInfo { size: info.size, channels, kind: SampleKind::F32 });
         }
+        FileFormat::Sgi => {
+            let SgiInfo { size, channels, kind } = read_sgi_info(path)?;
+            return Ok(ImageInfo { size, channels, kind });
+        }
         _ => {}
     }
     let info = read_png_info(path)?;
@@ -41,11 +46,12 @@ pub(crate) fn read_image_info(path: &Path) -> Result<ImageInfo, Error> {
     Ok(ImageInfo { size: info.size, channels: info.channels, kind })
 }
 
-/// Reads a PNG, TIFF or OpenEXR.
+/// Reads a PNG, TIFF, OpenEXR or SGI image.
 pub(crate) fn read_image(path: &Path, limits: &Limits) -> Result<DynImage, Error> {
     match detect_format(path)? {
         FileFormat::Tiff | FileFormat::Dng => return crate::read_tiff(path, limits),
         FileFormat::Exr => return Ok(read_plain_exr(path, limits)?.into()),
+        FileFormat::Sgi => return read_sgi(path, limits),
         _ => {}
     }
     read_png(path, limits)

@@ -7,7 +7,7 @@ use holo_core::{ColorEncoding, GridSize, Layout, LightFieldShape};
 use super::options::ReadOptions;
 use super::reader::{LightFieldFormat, LightFieldReader, encoding, parameters_path, sizes};
 use super::source::Source;
-use super::{archives, plenoptic};
+use super::{archives, light_pack, plenoptic};
 use crate::files::detect_format;
 use crate::images::image_file::read_image_info;
 use crate::{Error, FileFormat, ParametersCfg, layout_of_file_name};
@@ -24,6 +24,7 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<LightFieldReade
         FileFormat::Png | FileFormat::Tiff | FileFormat::Exr => open_image(path, options),
         FileFormat::Mat5 | FileFormat::Mat73 => Ok(of_mat(path, options)?.complete_from(&parameters_path(path))),
         FileFormat::Hdf5 => open_hdf5(path, options),
+        FileFormat::LightPack => light_pack::open(path, options),
         FileFormat::Dng => Err(no_light_field("it holds the codes of a sensor behind a color filter, not colors")),
         FileFormat::Lytro => Err(no_light_field("it holds the raw image of a Lytro camera; decode it first")),
         _ => Err(no_light_field("it is neither a PNG, TIFF, OpenEXR, MAT or HDF5 file nor a folder of a known kind")),

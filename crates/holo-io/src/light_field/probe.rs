@@ -271,6 +271,8 @@ fn name_of(format: FileFormat) -> String {
     match format {
         FileFormat::GltfBinary => "glTF scene, binary (.glb)".to_owned(),
         FileFormat::GltfJson => "glTF scene, JSON (.gltf)".to_owned(),
+        FileFormat::Sgi => "SGI image (.rgb)".to_owned(),
+        FileFormat::LightPack => "light field of LightPack (.lid)".to_owned(),
         FileFormat::Lytro => "container of a Lytro camera; `holo decode` reads its raw image".to_owned(),
         other => format!("{other:?} file"),
     }

@@ -29,6 +29,8 @@ pub enum LightFieldFormat {
     ImageFolder,
     /// A folder of perspective views of the MIT Synthetic Light Field Archive.
     MitFolder,
+    /// A file of LightPack, which names images.
+    LightPack,
     /// An image of 14 x 14 views as Lytro Desktop exports it.
     Eslf,
     /// `lf.h5` of the old HCI benchmark.

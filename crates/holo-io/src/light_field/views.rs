@@ -15,7 +15,7 @@ use crate::files::folder::EntryKind;
 use crate::images::image_file::{ImageInfo, read_image, read_image_info};
 use crate::{Error, Limits};
 
-/// Reads a list of PNGs or TIFFs, one a view, as one light field.
+/// Reads a list of PNGs, TIFFs or SGI images, one a view, as one light field.
 ///
 /// `order` specifies which view each file of the list is. Alpha is dropped. All views must have the same size, the same
 /// type of samples, and either gray or RGB.

@@ -77,6 +77,132 @@ fn mit_folders_have_their_rig_and_rows_from_below() {
     assert!(read_light_field(&folder, &ReadOptions::default()).is_err());
 }
 
+/// An SGI image, whose lower row comes first and whose channels are apart; with run lengths: literal ones and repeats.
+fn sgi(image: &Array3<u8>, is_run_length_coded: bool) -> Vec<u8> {
+    let (rows, columns, channels) = image.dim();
+    let mut file = vec![0x01, 0xda, u8::from(is_run_length_coded), 1, 0, 3];
+    for size in [columns, rows, channels] {
+        file.extend((size as u16).to_be_bytes());
+    }
+    file.extend([0, 0, 0, 0, 0, 0, 0, 255]);
+    file.resize(512, 0);
+    let lines: Vec<Vec<u8>> = (0..channels * rows)
+        .map(|k| (0..columns).map(|column| image[[rows - 1 - k % rows, column, k / rows]]).collect())
+        .collect();
+    if !is_run_length_coded {
+        file.extend(lines.concat());
+        return file;
+    }
+    let coded: Vec<Vec<u8>> = lines
+        .iter()
+        .map(|line| {
+            let repeats = line.iter().take_while(|&&value| value == line[0]).count();
+            let mut out = vec![repeats as u8, line[0]];
+            if repeats < columns {
+                out.push(0x80 | (columns - repeats) as u8);
+                out.extend(&line[repeats..]);
+            }
+            out.push(0);
+            out
+        })
+        .collect();
+    let mut start = 512 + 8 * coded.len();
+    for line in &coded {
+        file.extend((start as u32).to_be_bytes());
+        start += line.len();
+    }
+    coded.iter().for_each(|line| file.extend((line.len() as u32).to_be_bytes()));
+    file.extend(coded.concat());
+    file
+}
+
+/// LightPack: cameras of which u runs to the left and v up, images whose t runs up.
+const LID: &str = "# LIF1.0\nSLAB 0 data/lion\n\
+    SLAB_UV\t 2 -2 4 1 0 0\n -2 -2 4 1 1 0\n -2 2 4 1 1 1\n 2 2 4 1 0 1   # four corners\n\
+    SLAB_ST -1 -1 0 1 0 0  1 -1 0 1 1 0  1 1 0 1 1 1  -1 1 0 1 0 1\n\
+    SAMPLES_UV 4 3\nSAMPLES_ST 7 5\nFORMAT RGB\n";
+
+#[test]
+fn light_pack_names_the_images_of_its_cameras() {
+    let root = tempfile::tempdir().unwrap();
+    std::fs::create_dir(root.path().join("data")).unwrap();
+    let lid = root.path().join("lion.lid");
+    std::fs::write(&lid, LID).unwrap();
+    let of_camera = |u: usize, v: usize| {
+        Array3::from_shape_fn((5, 7, 3), |(row, column, c)| {
+            if column < 3 { (40 * u + v) as u8 } else { [10 * row, column, 100 * v + u][c] as u8 }
+        })
+    };
+    let name = |u: usize, v: usize| root.path().join(format!("data/lion.{u}.{v}.rgb"));
+    for (u, v) in (0..4).flat_map(|u| (0..3).map(move |v| (u, v))) {
+        std::fs::write(name(u, v), sgi(&of_camera(u, v), (u + v) % 2 == 1)).unwrap();
+    }
+    let file = read_light_field(&lid, &ReadOptions::default()).unwrap();
+    let shape = LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap();
+    assert_eq!((file.light_field.shape(), file.format, file.rig), (shape, LightFieldFormat::LightPack, None));
+    let found = samples(&file.light_field);
+    for ((v, u, t, s, c), &value) in found.indexed_iter() {
+        // The upper row of views is that of the greatest v; the left column that of the greatest u.
+        assert_eq!(value, u16::from(of_camera(3 - s, 2 - t)[[v, u, c]]), "{v} {u} {t} {s} {c}");
+    }
+    // Missing, of another size, or a link that leads elsewhere.
+    let whole = std::fs::read(name(2, 1)).unwrap();
+    std::fs::remove_file(name(2, 1)).unwrap();
+    assert!(read_light_field(&lid, &ReadOptions::default()).unwrap_err().to_string().contains("lion.2.1.rgb"));
+    std::fs::write(name(2, 1), sgi(&Array3::zeros((5, 6, 3)), false)).unwrap();
+    assert!(read_light_field(&lid, &ReadOptions::default()).is_err());
+    #[cfg(unix)]
+    {
+        std::fs::remove_file(name(2, 1)).unwrap();
+        std::fs::write(root.path().join("elsewhere"), &whole).unwrap();
+        std::os::unix::fs::symlink(root.path().join("elsewhere"), name(2, 1)).unwrap();
+        assert!(read_light_field(&lid, &ReadOptions::default()).is_err());
+        std::fs::remove_file(name(2, 1)).unwrap();
+    }
+    std::fs::write(name(2, 1), &whole).unwrap();
+    for (text, words) in [
+        (LID.replace("data/lion", "../data/lion"), "folder"),
+        (LID.replace("data/lion", "/etc/lion"), "folder"),
+        (LID.replace("SAMPLES_ST 7 5", "SAMPLES_ST 5 7"), "SAMPLES_ST"),
+    ] {
+        std::fs::write(&lid, text).unwrap();
+        let why = read_light_field(&lid, &ReadOptions::default()).unwrap_err().to_string();
+        assert!(why.contains(words), "{why}");
+    }
+}
+
+/// Damaged files are errors or other samples, in time that fits their size.
+#[test]
+fn damaged_files_of_light_pack_do_no_harm() {
+    let root = tempfile::tempdir().unwrap();
+    let (lid, image) = (root.path().join("a.lid"), root.path().join("a.0.0.rgb"));
+    let text = LID.replace("data/lion", "a").replace("SAMPLES_UV 4 3", "SAMPLES_UV 1 1");
+    let picture = Array3::from_shape_fn((5, 7, 3), |(row, column, c)| (row * column * (c + 1)) as u8);
+    let good = [text.as_bytes().to_vec(), sgi(&picture, false), sgi(&picture, true)];
+    let mut seed = 1u64;
+    let mut random = |below: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as usize % below
+    };
+    let limits = ReadOptions::default().limits(Limits { max_bytes: 1 << 20 });
+    let mut read = 0;
+    for round in 0..3000 {
+        let mut files = good.clone();
+        let file = &mut files[round % 3];
+        for _ in 0..1 + random(3) {
+            // Most bytes matter in headers and tables.
+            let at = if random(2) == 0 { random(12) } else { random(file.len()) };
+            file[at] = random(256) as u8;
+        }
+        let length = if random(4) == 0 { random(file.len()) } else { file.len() };
+        file.truncate(length);
+        std::fs::write(&lid, &files[0]).unwrap();
+        std::fs::write(&image, &files[1 + round % 2]).unwrap();
+        read += usize::from(read_light_field(&lid, &limits).is_ok());
+    }
+    assert!((300..2900).contains(&read), "{read}");
+}
+
 #[cfg(feature = "hdf5")]
 mod hdf5_files {
     use super::*;

@@ -8,8 +8,8 @@ use crate::python;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use holo_core::{DynImage, DynLightField};
-use holo_io::{Limits, read_exr, read_mat_light_field, read_png};
+use holo_core::{DynImage, DynLightField, GridSize, ViewOrder};
+use holo_io::{Limits, read_exr, read_mat_light_field, read_png, read_views};
 use ndarray::{Array3, Array5};
 
 /// The numbers of `image` in the script.
@@ -34,6 +34,15 @@ fn assert_png(path: &Path, size: &str, channels: &str, bits: &str) {
         (DynImage::U16(read), "16") => assert_eq!(read.mapv(usize::from), expected, "{}", path.display()),
         (read, _) => panic!("{}: {:?}", path.display(), read.dim()),
     }
+}
+
+/// An SGI image as the one view of a light field, which drops alpha.
+fn assert_sgi(path: &Path, size: &str, channels: usize) {
+    let read = read_views(&[path.to_owned()], GridSize::new(1, 1), ViewOrder::RowMajor, &Limits::default()).unwrap();
+    let DynLightField::U8(field) = read else { panic!("{}: not of 8 bits", path.display()) };
+    let read = field.view(0, 0).unwrap().mapv(usize::from);
+    let expected = image(size, channels, 256);
+    assert_eq!(read, expected.slice_axis(ndarray::Axis(2), (..channels.min(3)).into()), "{}", path.display());
 }
 
 fn assert_exr(path: &Path, size: &str) {
@@ -71,6 +80,10 @@ fn files_of_other_programs_are_read_exactly() {
             (&[_, size, channels, bits], "png") => {
                 assert_png(&path, size, channels, bits);
                 format!("{bits} bit, {channels} channels")
+            }
+            (&[_, size, channels], "rgb") => {
+                assert_sgi(&path, size, channels.parse().unwrap());
+                format!("8 bit, {channels} channels")
             }
             (&[_, size, coding, kind], "exr") => {
                 assert_exr(&path, size);

@@ -27,7 +27,7 @@ fn formats_are_detected_by_contents() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("misleading.png");
     let padded = |text: &str| format!("{}{text}", " ".repeat(100_000));
-    let formats: [(&[u8], FileFormat); 22] = [
+    let formats: [(&[u8], FileFormat); 26] = [
         (b"\x89PNG\r\n\x1a\nrest", FileFormat::Png),
         (b"\x89PNG\r\n\x1a", FileFormat::Unknown),
         (b"Pf\n1 1\n-1\n", FileFormat::Pfm),
@@ -48,6 +48,10 @@ fn formats_are_detected_by_contents() {
         (b"[intrinsics]\nx = 1\n[extrinsics]\n", FileFormat::ParametersCfg),
         (b"\xef\xbb\xbf# HCI\r\n [extrinsics] \r\n[intrinsics]\r\n", FileFormat::ParametersCfg),
         (b"[intrinsics]\n", FileFormat::Unknown),
+        (b"# LIF1.0\nSLAB 0 lion\n  SLAB_UV 0 0\n", FileFormat::LightPack),
+        (b"the SLAB_UV of a text", FileFormat::Unknown),
+        (b"\x01\xda\x01\x01\0\x03", FileFormat::Sgi),
+        (b"\x01\xda\x02\x01", FileFormat::Unknown),
         (b"", FileFormat::Unknown),
         (b"\0", FileFormat::Unknown),
     ];

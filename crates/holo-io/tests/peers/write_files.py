@@ -57,6 +57,10 @@ for rows, columns in SIZES:
                 name = f"pillow_{size}_{channels}_{bits}.png"
                 pillow.fromarray(numbers[..., 0] if channels == 1 else numbers).save(f"{folder}/{name}")
                 report(name, "Pillow " + pillow.__version__)
+            if pillow and bits == 8:
+                name = f"pillow_{size}_{channels}.rgb"
+                pillow.fromarray(numbers[..., 0] if channels == 1 else numbers).save(f"{folder}/{name}", "SGI")
+                report(name, "Pillow " + pillow.__version__)
     if exr:
         for coding in ("NO", "RLE", "ZIPS", "ZIP", "PIZ"):
             for kind in ("half", "float"):
