@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use holo_dataset::settings::Preset;
-use holo_dataset::{Camera, RenderJob, RunOptions};
+use holo_dataset::{RenderJob, RunOptions};
 use holo_render::Progress;
 use serde_json::{Value, json};
 
@@ -58,7 +58,7 @@ impl Renders {
         self.stop.store(true, Ordering::SeqCst);
     }
 
-    /// Renders a look into a new folder: a draft of a rig first, then all of it.
+    /// Renders a look into a new folder: a draft first, then all of it.
     pub fn run(&self, look: &Look, shared: &Shared, inbox: &Inbox, events: &Sender<Event>) {
         let send = |header: Value| drop(events.send(Event::Send(Reply::new(header))));
         let Ok(_running) = self.running.try_lock() else {
@@ -78,7 +78,7 @@ impl Renders {
         let (source, _) = job::scene(look, shared.preview, inbox)?;
         let job = job::of(look, source.clone(), shared.preview)?;
         let folder = new_folder(out, &holo_core::visible(&source.name()))?;
-        if let (Camera::Rig(_), Some(preset)) = (&job.settings.camera, Preset::by_name(DRAFT)) {
+        if let Some(preset) = Preset::by_name(DRAFT) {
             let mut draft = look.clone();
             draft.settings.remove("target-error");
             draft.settings.extend(preset.given().iter().map(|(key, text)| (key.to_owned(), text.to_owned())));
@@ -108,7 +108,6 @@ impl Renders {
             }
             match running.join() {
                 Ok(Ok(_)) => {
-                    let is_rig = matches!(job.settings.camera, Camera::Rig(_));
                     // Of a sequence its first frame.
                     let first = job.shots().first().map(|shot| shot.folder()).unwrap_or_default();
                     let path = shared.add(folder.join(first));
@@ -118,7 +117,7 @@ impl Renders {
                         "number": look.number,
                         "stage": stage,
                         "folder": folder.display().to_string(),
-                        "path": is_rig.then_some(path),
+                        "path": path,
                         "seconds": seconds,
                     }));
                     Ok(())

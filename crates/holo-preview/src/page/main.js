@@ -270,12 +270,10 @@ on('progress', (header) => {
 on('rendered', (header) => {
   counters.rendered += 1;
   const line = make('li', {});
-  if (header.path) {
-    const address = `${header.path}?token=${token}`;
-    line.append(make('a', { href: address, target: '_blank', rel: 'noopener' }, `Look at the ${header.stage} render`), ' ');
-    // A click asked for it, so that the browser lets it open.
-    if (header.stage === 'full') window.open(address, 'holo-view', 'noopener');
-  }
+  const address = `${header.path}?token=${token}`;
+  line.append(make('a', { href: address, target: '_blank', rel: 'noopener' }, `Look at the ${header.stage} render`), ' ');
+  // A click asked for it, so that the browser lets it open.
+  if (header.stage === 'full') window.open(address, 'holo-view', 'noopener');
   line.append(`${duration(header.seconds)}, in ${header.folder}`);
   element('finished').prepend(line);
   if (header.stage === 'full') ended();

@@ -245,12 +245,18 @@ fn wrong_messages_are_told_and_the_page_goes_on() {
     });
 }
 
+/// A camera of microlenses of 14 px.
+fn small_camera(width: u32, height: u32) -> holo_io::CameraFile {
+    let camera = format!(
+        "[sensor]\nsize_px = [{width}, {height}]\npixel_um = 5.0\n[mla]\ngrid = \"square\"\npitch_um = 71.2\n\
+         gap_um = 400.0\n[main_lens]\nfocal_mm = 40.0\nf_number = 5.8\nfocus_m = 0.8\n"
+    );
+    holo_io::CameraFile::parse(&camera, "small").unwrap()
+}
+
 #[test]
 fn a_plenoptic_camera_shows_its_raw_and_white_image() {
-    let camera = "[sensor]\nsize_px = [60, 45]\npixel_um = 5.0\n[mla]\ngrid = \"square\"\npitch_um = 71.2\ngap_um = 400.0\n\
-                  [main_lens]\nfocal_mm = 40.0\nf_number = 5.8\nfocus_m = 0.8\n";
-    let camera = holo_io::CameraFile::parse(camera, "small").unwrap();
-    let server = Preview::new().camera(camera).bind(0).unwrap();
+    let server = Preview::new().camera(small_camera(60, 45)).bind(0).unwrap();
     with(server, |server| {
         let mut page = open(server);
         let mut wanted = look("look", 1, false);
@@ -265,5 +271,26 @@ fn a_plenoptic_camera_shows_its_raw_and_white_image() {
         let share = of("white").0["lit_share"].as_f64().unwrap();
         assert!(share > 0.4 && share <= 1.0, "{share}");
         assert!(of("details").0["command"].as_str().unwrap().contains("--camera-file small.toml"));
+    });
+}
+
+/// Draft and full render of a plenoptic camera are raw images, whose views the viewer shows.
+#[test]
+fn the_views_of_a_plenoptic_camera_are_shown() {
+    let out = tempfile::tempdir().unwrap();
+    let server = Preview::new().camera(small_camera(210, 160)).out(out.path().to_owned()).bind(0).unwrap();
+    with(server, |server| {
+        let mut page = open(server);
+        let mut wanted = look("render", 1, false);
+        wanted["camera"] = "own".into();
+        send(&mut page, &wanted);
+        for stage in ["draft", "full"] {
+            let rendered = until(&mut page, "rendered").pop().unwrap().0;
+            assert_eq!(rendered["stage"], stage);
+            let path = format!("{}?token={}", rendered["path"].as_str().unwrap(), server.token);
+            let shown = get(server, &path, &server.address.to_string(), "");
+            assert!(shown.starts_with("HTTP/1.1 200") && shown.contains("<!DOCTYPE html>"), "{stage}");
+            assert!(out.path().join("plaster_001").join(stage).join("raw.exr").is_file());
+        }
     });
 }
