@@ -136,6 +136,8 @@ pub struct ExportJob {
     pub names: Vec<(String, String)>,
     /// The names of the objects that masks show; `*` at the end of a name stands for any ending.
     pub objects: Vec<String>,
+    /// Whether `out` may have files: those of the same names are replaced, others stay.
+    pub overwrite: bool,
 }
 
 /// What was written.
@@ -151,7 +153,8 @@ impl ExportJob {
     /// Creates the export of `input` for `target`.
     #[must_use]
     pub fn new(input: impl Into<PathBuf>, target: &'static ExportTarget) -> Self {
-        Self { input: input.into(), target, views: None, group: None, names: Vec::new(), objects: Vec::new() }
+        let (names, objects) = (Vec::new(), Vec::new());
+        Self { input: input.into(), target, views: None, group: None, names, objects, overwrite: false }
     }
 
     /// Sets the views.
@@ -178,11 +181,17 @@ impl ExportJob {
         Self { objects: objects.into_iter().collect(), ..self }
     }
 
-    /// Writes the export into the folder `out`, which must be empty or missing.
+    /// Sets whether files in `out` may be replaced.
+    #[must_use]
+    pub fn overwrite(self, overwrite: bool) -> Self {
+        Self { overwrite, ..self }
+    }
+
+    /// Writes the export into the folder `out`, which must be empty or missing, unless files may be replaced.
     ///
     /// # Errors
     /// [`Error::BadRequest`] if the target needs what the light fields do not have, the dataset has several numbers of
-    /// views and none is chosen, or `out` has files; [`Error::Io`] if files cannot be read or written. Nothing stays then.
+    /// views and none is chosen, or `out` has files; [`Error::Io`] if files cannot be read or written. Nothing new stays then.
     pub fn run(
         &self,
         out: impl Into<PathBuf>,
@@ -193,8 +202,11 @@ impl ExportJob {
         // A wrong request is refused before a folder appears.
         self.check_names()?;
         let work = self.checked()?;
-        if std::fs::read_dir(&out).is_ok_and(|mut entries| entries.next().is_some()) {
-            return Err(Error::BadRequest(format!("{} has files already; give an empty `out`", out.display())));
+        if !self.overwrite && std::fs::read_dir(&out).is_ok_and(|mut entries| entries.next().is_some()) {
+            return Err(Error::BadRequest(format!(
+                "{} has files already; give an empty `out`, or `overwrite` to replace those of the same names",
+                out.display()
+            )));
         }
         let mut folder = OutputFolder::create_plain(&out, rollback)?;
         let contents = self.write(&mut folder, &work, diagnostics)?;

@@ -116,17 +116,19 @@ pub struct ExportRequest {
     group: Option<String>,
     names: Vec<(String, String)>,
     objects: Vec<String>,
+    overwrite: bool,
 }
 
 /// Writes the light fields of a dataset, a folder or a file for another program; returns the names of the files, and
 /// diagnostics.
 #[pyfunction]
 pub fn export(py: Python<'_>, request: ExportRequest) -> Result<Told<Vec<String>>, Failure> {
-    let ExportRequest { input, target, out, views, group, names, objects } = request;
+    let ExportRequest { input, target, out, views, group, names, objects, overwrite } = request;
     let choices: Vec<(&str, &ExportTarget)> = EXPORT_TARGETS.iter().map(|target| (target.name, target)).collect();
     let target = options::choice("target", &target, &choices)?;
     let views = views.map(|(rows, columns)| GridSize::new(rows, columns));
-    let job = ExportJob::new(input, target).views(views).group(group).names(names).objects(objects);
+    let job = ExportJob::new(input, target).views(views).group(group).names(names);
+    let job = job.objects(objects).overwrite(overwrite);
     let run = |tell: &dyn Diagnostics| Ok(job.run(out, &Rollback::default(), tell)?.files);
     Ok(py.detach(|| listening(run))?)
 }

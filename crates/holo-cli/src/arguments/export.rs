@@ -18,6 +18,9 @@ pub struct ExportOptions {
     /// Folder for the files; it must be empty or missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Replace files in DIR, such as those of an export that was killed.
+    #[arg(long)]
+    pub overwrite: bool,
     /// Views of the light fields, columns x rows, of a dataset that has several numbers of them.
     #[arg(long, value_name = "SxT", value_parser = GridSize::from_str)]
     pub views: Option<GridSize>,

@@ -1,4 +1,4 @@
-//! Processes that are killed, or that write into one folder at once, again and again: `HOLO_ROUNDS` rounds, 70 by default.
+//! Processes that are killed, or that write into one folder at once, again and again: `HOLO_ROUNDS` rounds, 80 by default.
 
 #![cfg(unix)]
 
@@ -9,7 +9,7 @@ use std::time::Duration;
 use crate::common::{Bench, SCENE, SMALL, bench_display, camera_with_sensor};
 
 fn rounds() -> u32 {
-    std::env::var("HOLO_ROUNDS").map_or(70, |count| count.parse().expect("HOLO_ROUNDS is a number"))
+    std::env::var("HOLO_ROUNDS").map_or(80, |count| count.parse().expect("HOLO_ROUNDS is a number"))
 }
 
 /// A bench with the inputs of every command that writes.
@@ -64,6 +64,9 @@ fn commands() -> Vec<String> {
         "decode raw --out killed --overwrite".into(),
         "target --camera-file small.toml --square-mm 20 --out killed --overwrite".into(),
         "white --camera-file small.toml --out killed".into(),
+        "generate --count 2 --seed 5 --recipe hci-like --views 3 --lenses 24x24 --spp 1 --quiet --out killed".into(),
+        "export made --for npy --views 3 --out killed --overwrite".into(),
+        "export raw --for lftoolbox --out killed --overwrite".into(),
     ];
     let files = [
         "animate field --out killed.png",
@@ -75,6 +78,7 @@ fn commands() -> Vec<String> {
         "depth cameras --depths-m 0.5,4 --out killed.pfm",
         "display field --display bench.toml --out killed.png",
         "refocus field --disparity 0.5 --out killed.png",
+        "synthesize field --at 1.5,1 --out killed.png",
         "depth field --out killed.pfm --confidence killed_confidence.pfm",
         "view field --out killed.html",
         "scene plaster --out killed.glb",

@@ -24,11 +24,13 @@ def export(
     group: str | None = None,
     names: Mapping[str, str] | None = None,
     objects: Iterable[str] = (),
+    overwrite: bool = False,
 ) -> list[pathlib.Path]:
     """Writes a light field, or those of a dataset, as the files that another program reads, as `holo export` does.
 
     input: a dataset of `holo dataset`, a folder or file with one light field, or a folder of raw images or boards. target:
-    one of `export_targets()`. out: an empty or missing folder. views: those of a dataset that has several numbers of them, one number or (rows, columns).
+    one of `export_targets()`. out: an empty or missing folder; with overwrite, files in it are replaced. views: those of a
+    dataset that has several numbers of them, one number or (rows, columns).
     group: the folder of the scenes, where readers expect one. names: other names of scenes, such as {"chess": "boxes"}.
     objects: what masks show, by the names of `Scene.objects`; "ball*" is all that begin so.
 
@@ -43,6 +45,7 @@ def export(
         "group": group,
         "names": list((names or {}).items()),
         "objects": list(objects),
+        "overwrite": overwrite,
     }
     files, lines = _holo.export(request)
     tell(lines)
