@@ -17,7 +17,7 @@ const GROUP: usize = 4;
 /// The groups that take part.
 const GROUPS: usize = 4;
 
-/// A camera nearer than this, of the distance of the fourth, counts as if it were there: the view is its image within 1e-7.
+/// A camera nearer than this, of the distance of the fourth, counts as if it were there: the view is its image within 1e-6.
 const LEAST_DISTANCE: f64 = 1e-4;
 
 /// The least cosine of the angle between a pixel's ray and the optical axis of a camera that may show its point.

@@ -180,7 +180,7 @@ impl FieldTable {
     ///
     /// # Accuracy
     ///
-    /// The edge of the light is interpolated, within 1e-3 of the radius of the exit pupil.
+    /// The edge of the light is interpolated, within 5e-3 of the radius of the exit pupil.
     pub fn within_m(&self, place_m: [f64; 2], slope: [f64; 2]) -> f64 {
         let squared_m = place_m[0] * place_m[0] + place_m[1] * place_m[1];
         let away_m = squared_m.sqrt();
