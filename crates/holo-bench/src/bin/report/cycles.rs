@@ -22,9 +22,6 @@ const VIEWS: [(usize, &str); 2] = [(4, "center"), (0, "corner")];
 /// One of so many pixels has a sample in `holo`.
 const ONE_IN: u32 = 4;
 
-/// The scenes at 20 x 20 views, which take Cycles minutes each.
-const FEW_VIEWS: [&str; 4] = ["glasses", "chess", "garden", "plaster"];
-
 /// The samples of Cycles, and those of them that have columns of their own beside the most: 64.
 const SAMPLES: [u32; 3] = [16, 64, 256];
 const SHOWN: usize = 1;
@@ -61,7 +58,7 @@ pub fn many_views(options: &RunOptions) -> Section {
 /// Of 20 x 20 views.
 pub fn few_views(options: &RunOptions) -> Section {
     let [_, mut division] = sharing::divisions(options);
-    division.scenes.retain(|scene| FEW_VIEWS.contains(&scene.as_str()));
+    division.scenes.retain(|scene| sharing::FEW_SCENES.contains(&scene.as_str()));
     section(options, &division)
 }
 

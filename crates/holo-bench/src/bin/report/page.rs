@@ -77,7 +77,7 @@ impl Page {
         for title in titles {
             self.highlights.iter().filter(|row| row[0] == *title).for_each(|row| summary.push(row.clone()));
         }
-        let times = "Times are medians; ± is half the difference between the slowest and the fastest run. On shared \
+        let times = "Times are medians of as many runs as fit into ten seconds, at most five; ± is half the difference between the slowest and the fastest run. On shared \
                      machines only ratios are reliable.";
         let mut text = format!(
             "# Speed against error\n\nEvery section names the machine that it was measured on. {times}\n\n## Summary\n\n{}",

@@ -73,7 +73,10 @@ impl Seconds {
 /// Work whose first run takes less time than this, s, is warmed up by that run.
 const WARM_UP: f64 = 0.5;
 
-/// Runs `work` several times; also returns the result of the last run.
+/// No further run begins after this time, s: a report is to end within two hours.
+const LONGEST: f64 = 10.0;
+
+/// Runs `work` several times, or as often as fits into ten seconds; also returns the result of the last run.
 pub fn timed<T>(rounds: usize, mut work: impl FnMut() -> T) -> (Seconds, T) {
     let mut last = None;
     let mut seconds = Vec::new();
@@ -86,7 +89,7 @@ pub fn timed<T>(rounds: usize, mut work: impl FnMut() -> T) -> (Seconds, T) {
         // A short first run only warms up caches and is not counted.
         if round == 0 && seconds[0] < WARM_UP {
             seconds.clear();
-        } else if seconds.len() == rounds.max(1) {
+        } else if seconds.len() == rounds.max(1) || seconds.iter().sum::<f64>() > LONGEST {
             break;
         }
     }
