@@ -10,6 +10,9 @@ use crate::{Section, scenes};
 /// The rows of the summary, with the section that each is of.
 const SUMMARY: &str = "in_short.csv";
 
+/// Its heading.
+const SUMMARY_TITLE: &str = "Summary";
+
 /// The summary on a page of its own: the part of a report that the repository keeps.
 const SUMMARY_PAGE: &str = "SUMMARY.md";
 
@@ -40,6 +43,7 @@ impl Page {
         if keeps {
             let text = read("REPORT.md");
             let sections = text.split("\n## ").skip(1).filter_map(|section| section.split_once("\n\n"));
+            let sections = sections.filter(|(title, _)| *title != SUMMARY_TITLE);
             page.texts.extend(sections.map(|(title, text)| (title.to_owned(), text.trim_end().to_owned())));
             let rows = read(SUMMARY);
             let cells = |row: &str| row.split(',').map(str::to_owned).collect::<Vec<_>>().try_into().ok();
@@ -80,7 +84,7 @@ impl Page {
         let times = "Times are medians of as many runs as fit into ten seconds, at most five; ± is half the difference between the slowest and the fastest run. On shared \
                      machines only ratios are reliable.";
         let mut text = format!(
-            "# Speed against error\n\nEvery section names the machine that it was measured on. {times}\n\n## Summary\n\n{}",
+            "# Speed against error\n\nEvery section names the machine that it was measured on. {times}\n\n## {SUMMARY_TITLE}\n\n{}",
             summary.markdown()
         );
         for (title, section) in titles.iter().filter_map(|title| Some((title, self.texts.get(*title)?))) {
@@ -89,12 +93,12 @@ impl Page {
         let write = |name: &str, text: &str| std::fs::write(self.folder.join(name), text);
         self.files.iter().try_for_each(|(name, text)| write(name, text))?;
         write(SUMMARY, &summary.csv())?;
-        write(SUMMARY_PAGE, &self.summary_page(&summary, times))?;
+        write(SUMMARY_PAGE, &self.summary_page(&summary, times, titles))?;
         write("REPORT.md", &text)
     }
 
-    /// The summary, and which sections are older than this run.
-    fn summary_page(&self, summary: &Table, times: &str) -> String {
+    /// The summary, and which sections are older than this run or missing.
+    fn summary_page(&self, summary: &Table, times: &str, titles: &[&str]) -> String {
         let older: Vec<&str> =
             self.texts.keys().map(String::as_str).filter(|title| !self.measured.contains(*title)).collect();
         let runs = if older.is_empty() {
@@ -102,8 +106,11 @@ impl Page {
         } else {
             format!("Older than this run, maybe of another machine: {}.", older.join(", "))
         };
+        let missing: Vec<&str> = titles.iter().copied().filter(|title| !self.texts.contains_key(*title)).collect();
+        let missing =
+            if missing.is_empty() { String::new() } else { format!(" Not measured: {}.", missing.join(", ")) };
         format!(
-            "# Speed against error, in short\n\n{} {runs} {times} `cargo xtask report --peers` measures it again, with \
+            "# Speed against error, in short\n\n{} {runs}{missing} {times} `cargo xtask report --peers` measures it again, with \
              all tables in `REPORT.md`.\n\n{}",
             scenes::machine(),
             summary.markdown()

@@ -61,13 +61,18 @@ impl Seconds {
 
     /// The ratio to another time with the sum of both spreads: `3.1 ±6 %`.
     pub fn ratio(self, other: Self) -> String {
-        format!("{} ±{:.0} %", short(self.median / other.median), 50.0 * (self.spread + other.spread))
+        with_spread(self.median / other.median, self.spread + other.spread)
     }
 
-    /// Median and half the spread: `0.123 ±4 %`.
+    /// Median and half the spread: `0.123 ±4 %`; of a single run nothing is known of that.
     pub fn text(self) -> String {
-        format!("{} ±{:.0} %", short(self.median), 50.0 * self.spread)
+        with_spread(self.median, self.spread)
     }
+}
+
+fn with_spread(value: f64, spread: f64) -> String {
+    let spread = if spread > 0.0 { format!(" ±{:.0} %", 50.0 * spread) } else { String::new() };
+    short(value) + &spread
 }
 
 /// Work whose first run takes less time than this, s, is warmed up by that run.
