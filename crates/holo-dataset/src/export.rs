@@ -18,7 +18,7 @@ mod source;
 mod stanford;
 mod urbanlf;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use holo_core::GridSize;
 
@@ -191,7 +191,7 @@ impl ExportJob {
     ///
     /// # Errors
     /// [`Error::BadRequest`] if the target needs what the light fields do not have, the dataset has several numbers of
-    /// views and none is chosen, or `out` has files; [`Error::Io`] if files cannot be read or written. Nothing new stays then.
+    /// views and none is chosen, or `out` has files, with `overwrite` those of the input; [`Error::Io`] if files cannot be read or written. Nothing new stays then.
     pub fn run(
         &self,
         out: impl Into<PathBuf>,
@@ -208,6 +208,7 @@ impl ExportJob {
                 out.display()
             )));
         }
+        self.check_apart(&out)?;
         let mut folder = OutputFolder::create_plain(&out, rollback)?;
         let contents = self.write(&mut folder, &work, diagnostics)?;
         let text = format!(
@@ -222,6 +223,20 @@ impl ExportJob {
         let files = folder.names();
         folder.keep();
         Ok(Exported { contents, files })
+    }
+
+    /// Refuses to replace files of the input: `out` may neither hold it nor lie in it if it has files.
+    fn check_apart(&self, out: &Path) -> Result<(), Error> {
+        let places = [self.input.as_path(), out].map(|path| std::fs::canonicalize(path).ok());
+        match places {
+            [Some(input), Some(place)]
+                if self.overwrite && (input.starts_with(&place) || place.starts_with(&input)) =>
+            {
+                let (input, out) = (self.input.display(), out.display());
+                Err(Error::BadRequest(format!("{out} holds files of {input}, or lies in it; choose another `out`")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Refuses groups and objects that the target has not, and names that are none of folders.

@@ -386,6 +386,9 @@ fn datasets_are_exported_whole_and_wrong_use_is_refused() {
     }
     for (arguments, code, words) in [
         ("export set --for hci --views 9 --out out", 2, "has files already"),
+        ("export set --for npy --views 9 --out set --overwrite", 2, "choose another --out"),
+        ("export set/tiny/9x9 --for npy --out set/tiny --overwrite", 2, "choose another --out"),
+        ("export set --for npy --views 9 --out set/tiny/9x9 --overwrite", 2, "choose another --out"),
         ("export set --for hci --views 2 --out two", 2, "9 x 9 views"),
         ("export set --for epinet --out two", 2, "jpeg-pleno"),
         ("export set --for basiclfsr --views 9 --group ../up --out two", 2, "no name of a folder"),

@@ -116,7 +116,7 @@ fn sgi(image: &Array3<u8>, is_run_length_coded: bool) -> Vec<u8> {
     file
 }
 
-/// LightPack: cameras of which u runs to the left and v up, images whose t runs up.
+/// A file of LightPack. The u of its cameras runs to the left, their v runs up; the t of its images runs up.
 const LID: &str = "# LIF1.0\nSLAB 0 data/lion\n\
     SLAB_UV\t 2 -2 4 1 0 0\n -2 -2 4 1 1 0\n -2 2 4 1 1 1\n 2 2 4 1 0 1   # four corners\n\
     SLAB_ST -1 -1 0 1 0 0  1 -1 0 1 1 0  1 1 0 1 1 1  -1 1 0 1 0 1\n\
@@ -177,8 +177,8 @@ fn damaged_files_of_light_pack_do_no_harm() {
     let root = tempfile::tempdir().unwrap();
     let (lid, image) = (root.path().join("a.lid"), root.path().join("a.0.0.rgb"));
     let text = LID.replace("data/lion", "a").replace("SAMPLES_UV 4 3", "SAMPLES_UV 1 1");
-    let picture = Array3::from_shape_fn((5, 7, 3), |(row, column, c)| (row * column * (c + 1)) as u8);
-    let good = [text.as_bytes().to_vec(), sgi(&picture, false), sgi(&picture, true)];
+    let pixels = Array3::from_shape_fn((5, 7, 3), |(row, column, c)| (row * column * (c + 1)) as u8);
+    let good = [text.as_bytes().to_vec(), sgi(&pixels, false), sgi(&pixels, true)];
     let mut seed = 1u64;
     let mut random = |below: usize| {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

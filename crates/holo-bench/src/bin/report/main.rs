@@ -1,11 +1,11 @@
 //! Measures speed and error: `cargo xtask report [--quick] [--peers] [--only TEXT].. [--out DIR]`.
 //!
 //! Writes into `target/report` `REPORT.md`, its summary `SUMMARY.md`, one CSV file per table, and SVG plots; the
-//! repository keeps the summary and some plots of a whole run in `report`. With `--only`, once or more, the other
-//! sections of the folder stay. Every time is the median of several runs of this process
-//! with their spread (BVH builds, and what takes longer than ten seconds: one run), as a ratio to a comparable time if there is one. Every error is against a
-//! reference: a render with many samples, a closed form, brute-force intersection in f64, the original bits, or
-//! Mitsuba's images in `tests/radiance`.
+//! repository keeps the summary and some plots of a run in `report`. With `--only`, once or more, the other
+//! sections of the folder stay. Every time is the median of several runs of this process with their spread (BVH builds,
+//! and what takes longer than ten seconds: one run), as a ratio to a comparable time if there is one. Every error is
+//! against a reference: a render with many samples, a closed form, brute-force intersection in f64, the original bits,
+//! or Mitsuba's images in `tests/radiance`.
 #![forbid(unsafe_code)]
 
 mod cycles;

@@ -81,7 +81,8 @@ impl Page {
         for title in titles {
             self.highlights.iter().filter(|row| row[0] == *title).for_each(|row| summary.push(row.clone()));
         }
-        let times = "Times are medians of as many runs as fit into ten seconds, at most five; ± is half the difference between the slowest and the fastest run. On shared \
+        let times = "Times are medians of at most five runs, none of which begins after ten seconds; ± is half the \
+                     difference between the slowest and the fastest run, and missing of a single one. On shared \
                      machines only ratios are reliable.";
         let mut text = format!(
             "# Speed against error\n\nEvery section names the machine that it was measured on. {times}\n\n## {SUMMARY_TITLE}\n\n{}",
@@ -110,8 +111,8 @@ impl Page {
         let missing =
             if missing.is_empty() { String::new() } else { format!(" Not measured: {}.", missing.join(", ")) };
         format!(
-            "# Speed against error, in short\n\n{} {runs}{missing} {times} `cargo xtask report --peers` measures it again, with \
-             all tables in `REPORT.md`.\n\n{}",
+            "# Speed against error, in short\n\n{} {runs}{missing} {times} `cargo xtask report --peers` measures it \
+             again, with all tables in `REPORT.md`.\n\n{}",
             scenes::machine(),
             summary.markdown()
         )

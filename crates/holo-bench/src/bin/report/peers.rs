@@ -15,7 +15,7 @@ use ndarray::Array3;
 
 use crate::plot::{Plot, Series};
 use crate::scenes::{backend_name, integrator_label, integrator_name};
-use crate::table::{Seconds, Table, peak_of_process, reset_peak, short, timed};
+use crate::table::{LONGEST, Seconds, Table, peak_of_process, reset_peak, short, timed};
 use crate::{RunOptions, Section, scripts};
 
 /// The width of all views together, and the focus distance, of the scripts: 11 views 2 mm apart.
@@ -87,8 +87,8 @@ pub fn section(options: &RunOptions) -> Section {
              OpenImageDenoise in Cycles with albedo, normals and accurate prefilter. \
              `holo` scatters light once between microfacets (`--no-multiple-scattering`), as Mitsuba does. \
              With more than 256 samples the others render a single view. \
-             Errors are those of the central view against a reference of thousands of samples, averaged over seeds (of single views one): \
-             the mean of (x - r)^2 / (r^2 + 0.01 mean(r^2)), which contains the noise of the reference, some 5e-6. \
+             Errors are those of the central view against a reference of thousands of samples, averaged over seeds \
+             (of single views one): the mean of (x - r)^2 / (r^2 + 0.01 mean(r^2)), which contains the noise of the reference, some 5e-6. \
              The reference was rendered by Mitsuba; Cycles models the coat differently, with a difference of up to 3 % \
              on one small ball. Time x error excludes the 1 % of pixels with the largest errors, because a few \
              fireflies dominate the plain mean. Memory is the peak of the whole process.{missing}"
@@ -274,7 +274,7 @@ fn measure_peers(
     [samples, of_single_views]: [&[u32]; 2],
 ) -> (Vec<Measurement>, Vec<String>) {
     let bounces = if integrator == Integrator::Direct { 1 } else { 8 };
-    let rounds = options.rounds.min(3).to_string();
+    let (rounds, longest) = (options.rounds.min(3).to_string(), LONGEST.to_string());
     let (depth, cycles) = ((bounces + 1).to_string(), (bounces - 1).to_string());
     let mut lines = Vec::new();
     let mut failures = Vec::new();
@@ -284,7 +284,18 @@ fn measure_peers(
     };
     for (side, samples) in [(side, samples), (1, of_single_views)] {
         let views = side.to_string();
-        let arguments = ["--side", &views, "--depth", &depth, "--rounds", &rounds, "--sampler", "multijitter"];
+        let arguments = [
+            "--side",
+            &views,
+            "--depth",
+            &depth,
+            "--rounds",
+            &rounds,
+            "--longest-s",
+            &longest,
+            "--sampler",
+            "multijitter",
+        ];
         // A round renders all views.
         let views = (side * side) as f64;
         collect(run("mitsuba", "mitsuba_grid.py", &arguments, samples, "Mitsuba 3, multijitter", views));

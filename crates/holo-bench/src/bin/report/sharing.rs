@@ -110,7 +110,8 @@ pub fn section(options: &RunOptions) -> Section {
     }
     Section {
         text: "The first scenes of the gallery, paths of up to 8 bounces, `--denoise views`: 8K in 100 x 100 views of 79 x \
-               53 px and 20 x 20 of 397 x 265 px behind an f/5 lens, and of four scenes 41 x 41 views of 198 x 132 px, 0.25 mm apart. \
+               53 px and 20 x 20 of 397 x 265 px behind an f/5 lens, and of four scenes 41 x 41 views of 198 x 132 px, \
+               0.25 mm apart. \
                Seconds are those of the whole light field in memory, one run each. The error is that of the luminance of \
                the 8-bit image, |x - g| / g, over 24 lens rows of the central view, a corner and the middle of an edge, \
                against 4096 (100 x 100) or 1024 samples without sharing. True and estimated error: root mean squares, \
@@ -179,6 +180,12 @@ fn add_rows(name: &str, measured: &Measured, table: &mut Table) -> Vec<[f64; 2]>
         };
         let ratio = |mask| of(mask, &|within| honesty::true_by_estimated(within, &pixels));
         let bias = |mask| of(mask, &|within| 100.0 * honesty::bias(within));
+        // The section takes long: what is measured is seen before its end.
+        eprintln!(
+            "        {0} x {0} views of {name}, {samples} sample: {1} s",
+            measured.division.views,
+            short(seconds)
+        );
         table.push([
             format!("{0} x {0}", measured.division.views),
             name.to_owned(),

@@ -78,10 +78,10 @@ fn with_spread(value: f64, spread: f64) -> String {
 /// Work whose first run takes less time than this, s, is warmed up by that run.
 const WARM_UP: f64 = 0.5;
 
-/// No further run begins after this time, s: a report is to end within two hours.
-const LONGEST: f64 = 10.0;
+/// No further run begins after this time, s: with all runs a report would take twice as long.
+pub const LONGEST: f64 = 10.0;
 
-/// Runs `work` several times, or as often as fits into ten seconds; also returns the result of the last run.
+/// Runs `work` several times, none begins after ten seconds; also returns the result of the last run.
 pub fn timed<T>(rounds: usize, mut work: impl FnMut() -> T) -> (Seconds, T) {
     let mut last = None;
     let mut seconds = Vec::new();
