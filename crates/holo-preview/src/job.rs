@@ -18,6 +18,17 @@ pub(crate) fn is_of_rig(key: &str) -> bool {
     key == "fov-deg" || is_in_group && !["f-number", "focus-m"].contains(&key)
 }
 
+/// What a page looks at first: the scene that the program named, or the first one of the gallery.
+pub(crate) fn first_look(preview: &Preview) -> Look {
+    let of_gallery = || holo_scene::gallery::all_names().next().unwrap_or_default();
+    Look {
+        scene: preview.scene.as_ref().map_or_else(of_gallery, |_| "").to_owned(),
+        camera: preview.camera.as_ref().map_or("", |_| OWN_CAMERA).to_owned(),
+        settings: preview.given.iter().map(|(key, text)| (key.to_owned(), text.to_owned())).collect(),
+        ..Look::default()
+    }
+}
+
 /// The scene of a look, and a key that differs for other scenes.
 pub(crate) fn scene(look: &Look, preview: &Preview, inbox: &Inbox) -> Result<(SceneSource, String), String> {
     if !look.scene.is_empty() {

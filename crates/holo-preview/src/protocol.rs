@@ -6,9 +6,13 @@
 pub(crate) mod inbox;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
 
 use serde::Deserialize;
 use serde_json::Value;
+
+use inbox::Inbox;
 
 /// A message of the page.
 #[derive(Debug, Deserialize)]
@@ -82,6 +86,20 @@ pub(crate) enum Event {
     /// Bytes from the network; none: the page is gone.
     Bytes(Vec<u8>),
     Send(Reply),
+}
+
+/// A page: what it has sent, and what it is sent.
+pub(crate) struct Opened {
+    pub inbox: Arc<Inbox>,
+    pub events: Sender<Event>,
+    pub waiting: Receiver<Event>,
+}
+
+impl Opened {
+    pub fn new() -> Self {
+        let (events, waiting) = channel();
+        Self { inbox: Arc::default(), events, waiting }
+    }
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::Preview;
 use crate::job::{self, told};
 use crate::protocol::inbox::Inbox;
-use crate::protocol::{Event, Look, Reply};
+use crate::protocol::{Event, Look, Opened, Reply};
 
 /// How often the page hears of progress.
 const INTERVAL: Duration = Duration::from_millis(100);
@@ -29,6 +29,8 @@ pub(crate) struct Shared<'a> {
     /// The folders of finished renders.
     pub rendered: &'a Mutex<Vec<PathBuf>>,
     pub stop: &'a AtomicBool,
+    /// The first page, before it is opened.
+    pub ahead: &'a Mutex<Option<Opened>>,
 }
 
 impl Shared<'_> {

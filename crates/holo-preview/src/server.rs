@@ -24,7 +24,9 @@ use holo_io::{LightFieldReader, ReadOptions};
 use tungstenite::handshake::machine::TryParse;
 use tungstenite::handshake::server::{Request, create_response, write_response};
 
+use crate::protocol::Opened;
 use crate::render::Shared;
+use crate::studio::Studio;
 use crate::{Error, Preview};
 
 /// The largest head of a request.
@@ -34,7 +36,7 @@ const MAX_HEAD: usize = 16 << 10;
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// How often the server looks whether it is to stop.
-const PAUSE: Duration = Duration::from_millis(20);
+const PAUSE: Duration = Duration::from_millis(5);
 
 /// Open connections: a page needs one, and a few while it loads.
 const MAX_CONNECTIONS: usize = 32;
@@ -100,8 +102,15 @@ impl Server {
     /// # Errors
     /// [`Error::Serve`] if no connection can be accepted any more.
     pub fn run(&self, stop: &AtomicBool) -> Result<(), Error> {
-        let shared = Shared { preview: &self.preview, rendered: &self.rendered, stop };
+        // While the browser starts, its scene is loaded.
+        let first = Opened::new();
+        let (inbox, events) = (first.inbox.clone(), first.events.clone());
+        let ahead = Mutex::new(Some(first));
+        let shared = Shared { preview: &self.preview, rendered: &self.rendered, stop, ahead: &ahead };
         std::thread::scope(|scope| {
+            let studio = Studio::new(&self.preview, &inbox, events);
+            scope.spawn(|| studio.run_ahead());
+            let mut served = Ok(());
             while !stop.load(Ordering::SeqCst) {
                 match self.listener.accept() {
                     Ok((stream, _)) if self.open.load(Ordering::SeqCst) < MAX_CONNECTIONS => {
@@ -117,11 +126,12 @@ impl Server {
                     Err(why) if is_passing(&why) => std::thread::sleep(PAUSE),
                     Err(why) => {
                         stop.store(true, Ordering::SeqCst);
-                        return Err(why.into());
+                        served = Err(why.into());
                     }
                 }
             }
-            Ok(())
+            inbox.close();
+            served
         })
     }
 

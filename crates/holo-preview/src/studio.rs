@@ -53,12 +53,24 @@ impl<'a> Studio<'a> {
     /// Draws until the page is gone.
     pub fn run(mut self) {
         self.send(Reply::new(self.hello()));
+        self.draw_all();
+    }
+
+    /// Draws for a page that is not open yet: the scene that it begins with is loaded before its first look arrives.
+    pub fn run_ahead(mut self) {
+        self.send(Reply::new(self.hello()));
+        // The page asks for it again, and is told then what is wrong with it.
+        let _ = self.show(None);
+        self.draw_all();
+    }
+
+    fn draw_all(&mut self) {
         while let Some((task, newest)) = self.inbox.next() {
             match task {
                 Task::Gallery => self.gallery(newest),
                 Task::Look(look) => {
                     let number = look.number;
-                    if let Err(Ended::Failed(why)) = self.show(look, newest) {
+                    if let Err(Ended::Failed(why)) = self.show(Some((look, newest))) {
                         self.tell(number, &why);
                     }
                 }
@@ -89,9 +101,13 @@ impl<'a> Studio<'a> {
         })
     }
 
-    /// Loads a scene, and shows looks at it until one is of another scene.
-    fn show(&mut self, look: Look, newest: Newest) -> Result<(), Ended> {
-        let (job, key) = self.job(&look)?;
+    /// Loads the scene of the first look, or that which a page begins with, and shows looks at it until one is of another
+    /// scene.
+    fn show(&mut self, first: Option<(Look, Newest)>) -> Result<(), Ended> {
+        let (job, key) = match &first {
+            Some((look, _)) => self.job(look)?,
+            None => self.job(&job::first_look(self.preview))?,
+        };
         let notes = std::cell::RefCell::new(Vec::new());
         let note = |_: About, line: &str| notes.borrow_mut().push(job::told(line));
         let stage = job::at_first_frame(job.clone()).stage(&note)?;
@@ -110,39 +126,37 @@ impl<'a> Studio<'a> {
             "notes": notes.take(),
         })));
         let mut kept = Kept::default();
-        let (mut look, mut job, mut newest) = (look, job, newest);
+        let mut next = first.map(|(look, newest)| (look, job, newest));
         loop {
-            let frames = job.shots().len();
-            let shown = job::at_first_frame(job.clone());
-            let drawing = Drawing {
-                stage: &stage,
-                world: &world,
-                still: &still,
-                job: &shown,
-                look: &look,
-                frames,
-                newest,
-                events: &self.events,
-            };
-            if let Err(Ended::Failed(why)) = drawing.draw(&mut kept) {
-                self.tell(look.number, &why);
+            if let Some((look, job, newest)) = next.take() {
+                let shown = job::at_first_frame(job.clone());
+                let drawing = Drawing {
+                    stage: &stage,
+                    world: &world,
+                    still: &still,
+                    job: &shown,
+                    look: &look,
+                    frames: job.shots().len(),
+                    newest,
+                    events: &self.events,
+                };
+                if let Err(Ended::Failed(why)) = drawing.draw(&mut kept) {
+                    self.tell(look.number, &why);
+                }
             }
-            loop {
+            while next.is_none() {
                 let Some((task, later)) = self.inbox.next() else { return Ok(()) };
-                let Task::Look(next) = task else {
+                let Task::Look(look) = task else {
                     self.gallery(later);
                     continue;
                 };
-                match self.job(&next) {
+                match self.job(&look) {
                     Ok((_, other)) if other != key => {
-                        self.inbox.put_back(next);
+                        self.inbox.put_back(look);
                         return Ok(());
                     }
-                    Ok((next_job, _)) => {
-                        (look, job, newest) = (next, next_job, later);
-                        break;
-                    }
-                    Err(Ended::Failed(why)) => self.tell(next.number, &why),
+                    Ok((job, _)) => next = Some((look, job, later)),
+                    Err(Ended::Failed(why)) => self.tell(look.number, &why),
                     Err(Ended::Newer) => {}
                 }
             }

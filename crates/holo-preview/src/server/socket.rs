@@ -4,13 +4,14 @@
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpStream};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::PoisonError;
+use std::sync::mpsc::{Receiver, Sender};
 
 use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
 use crate::protocol::inbox::Inbox;
-use crate::protocol::{Event, PageMessage, Reply};
+use crate::protocol::{Event, Opened, PageMessage, Reply};
 use crate::render::{Renders, Shared};
 use crate::studio::Studio;
 
@@ -41,15 +42,18 @@ impl Write for Pipe {
 
 /// Serves a page until it is closed.
 pub(crate) fn serve(stream: TcpStream, shared: &Shared) -> io::Result<()> {
-    let (events, waiting) = channel();
-    let inbox = Inbox::default();
     let reader = stream.try_clone()?;
+    let ahead = shared.ahead.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let is_later = ahead.is_none();
+    let Opened { inbox, events, waiting } = ahead.unwrap_or_else(Opened::new);
     let renders = Renders::default();
     std::thread::scope(|scope| {
-        let (of_reader, of_studio) = (events.clone(), events.clone());
+        let of_reader = events.clone();
         scope.spawn(move || read(reader, &of_reader));
-        let studio = Studio::new(shared.preview, &inbox, of_studio);
-        scope.spawn(move || studio.run());
+        if is_later {
+            let studio = Studio::new(shared.preview, &inbox, events.clone());
+            scope.spawn(move || studio.run());
+        }
         let pipe = Pipe { arrived: VecDeque::new(), stream };
         let config = WebSocketConfig::default().max_message_size(Some(MAX_SCENE)).max_frame_size(Some(MAX_SCENE));
         let mut socket = WebSocket::from_raw_socket(pipe, Role::Server, Some(config));

@@ -245,6 +245,34 @@ fn wrong_messages_are_told_and_the_page_goes_on() {
     });
 }
 
+/// The scene that a page begins with is loaded before the page is opened, and only once.
+#[test]
+fn the_first_scene_is_loaded_ahead() {
+    let scene = holo_dataset::SceneSource::gallery("plaster").unwrap();
+    let mut given = holo_dataset::settings::Given::default();
+    given.insert("views", "3").unwrap();
+    with(Preview::new().scene(scene).given(given).bind(0).unwrap(), |server| {
+        let mut page = open(server);
+        let told = until(&mut page, "scene");
+        assert_eq!(told.iter().map(|(header, _)| header["kind"].clone()).collect::<Vec<_>>(), ["hello", "scene"]);
+        for number in 1..3 {
+            let mut wanted = look("look", number, true);
+            wanted["scene"] = "".into();
+            wanted["settings"]["fov-deg"] = "50".into();
+            send(&mut page, &wanted);
+            let (first, _) = receive(&mut page);
+            assert_eq!((&first["kind"], &first["number"]), (&"view".into(), &number.into()));
+        }
+        // Another one is loaded as it is wanted, and pages that are opened later have studios of their own.
+        send(&mut page, &look("look", 3, true));
+        assert_eq!(receive(&mut page).0["kind"], "scene");
+        let mut other = open(server);
+        assert_eq!(receive(&mut other).0["kind"], "hello");
+        send(&mut other, &look("look", 4, true));
+        assert_eq!(receive(&mut other).0["kind"], "scene");
+    });
+}
+
 /// A camera of microlenses of 14 px.
 fn small_camera(width: u32, height: u32) -> holo_io::CameraFile {
     let camera = format!(
