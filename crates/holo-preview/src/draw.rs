@@ -14,6 +14,7 @@ use ndarray::{Array2, Axis, s};
 use serde_json::{Value, json};
 
 use crate::job::{self, Ended};
+use crate::pace::Pace;
 use crate::protocol::inbox::Newest;
 use crate::protocol::{Event, Look, Reply};
 use crate::raw_part::{RawPart, Strip};
@@ -39,6 +40,7 @@ pub(crate) struct Kept {
     prepared: Option<Prepared>,
     /// The exposure of the last image that stood still.
     exposure_ev: Option<f64>,
+    pace: Pace,
 }
 
 /// One look at a scene.
@@ -59,7 +61,8 @@ impl Drawing<'_> {
     /// Draws a look: a first image at once, and if the camera stands still everything else.
     pub fn draw(&self, kept: &mut Kept) -> Result<(), Ended> {
         let start = Instant::now();
-        let view = view_job(self.job, self.look.size)?;
+        let size = if self.look.moving { kept.pace.size(self.look.size) } else { self.look.size };
+        let view = view_job(self.job, size)?;
         let prepared = view.prepare_moved(self.stage, self.still)?;
         let request = view_request(&view, &prepared, self.look.moving)?;
         // One image of a moving camera is done before the next one: newer ones would end all of them.
@@ -68,6 +71,7 @@ impl Drawing<'_> {
         let exposure_ev = self.exposure_ev(&first, kept);
         self.send_view(&first, (exposure_ev, 1), &prepared, start)?;
         if self.look.moving {
+            kept.pace.drawn(start.elapsed());
             return Ok(());
         }
         kept.exposure_ev = Some(exposure_ev);

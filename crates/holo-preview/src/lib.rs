@@ -24,6 +24,7 @@ mod draw;
 mod encode;
 mod estimate;
 mod job;
+mod pace;
 mod protocol;
 mod raw_part;
 mod render;
