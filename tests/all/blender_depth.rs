@@ -3,8 +3,8 @@
 use crate::common;
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, LightFieldShape};
-use holo_render::{Baseline, Framing, Layer, Renderer};
+use holo_core::{GridSize, LightFieldShape, ViewIndex};
+use holo_render::{Baseline, Framing, Layer, Renderer, Views};
 
 fn reference() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join("shared").join("reference");
@@ -24,13 +24,16 @@ fn five_views_have_the_depth_of_blender() {
         .baseline(Baseline::Meters(0.01));
     let framed = framing.frame(&loaded.scene).unwrap();
     let rig = framed.rig(6.0).unwrap();
+    let views = [(0, 0), (0, 40), (13, 29), (20, 20), (40, 40)];
+    let list = views.map(|(row, column)| ViewIndex { row, column }).to_vec();
+    let request = common::truth(rig).views(Views::List(list));
     for backend in common::engines() {
         let renderer = Renderer::new(&loaded.scene, &framed.pose, backend, None).unwrap();
-        let all = renderer.render(&common::truth(rig), &()).unwrap().all.expect("requested");
-        for (t, s) in [(0, 0), (0, 40), (13, 29), (20, 20), (40, 40)] {
+        let all = renderer.render(&request, &()).unwrap().all.expect("requested");
+        for (k, (t, s)) in views.into_iter().enumerate() {
             let file = folder.join(format!("still_life_depth_t{t}_s{s}.pfm"));
             let theirs = holo_io::read_pfm_gray(file, &holo_io::Limits::default()).unwrap();
-            let ours = all[Layer::Depth].view(t, s).unwrap();
+            let ours = all[Layer::Depth].view(0, k).unwrap();
             let mut errors: Vec<f64> = theirs
                 .indexed_iter()
                 .map(|((v, u), &z)| (f64::from(ours[[v, u, 0]]) / f64::from(z) - 1.0).abs())

@@ -433,7 +433,7 @@ fn depth_is_estimated_from_cameras_in_a_plane() {
     ok(bench.run("scene tiles --out tiles.glb"));
     let scene = holo_scene::gltf::load(&bench.path("tiles.glb"), &holo_scene::gltf::Limits::default()).unwrap().scene;
     let pose = scene.cameras[0].pose;
-    ok(bench.run("render tiles.glb --views 7 --lenses 144x96 --spp 32 --baseline-m 0.013 --focus-m 0.68 --write el,disparity --out rig"));
+    ok(bench.run("render tiles.glb --views 7 --lenses 144x96 --spp 8 --integrator direct --baseline-m 0.013 --focus-m 0.68 --write el,disparity --out rig"));
     ok(bench.run("depth rig --range=-1.2,1.2 --out rig.pfm"));
     let read = |file: &str| read_pfm_gray(bench.path(file), &Limits::default()).unwrap();
     let rig = bad_pixels(&read("rig.pfm"), &read("rig/scene_disparity.pfm"));
@@ -456,7 +456,7 @@ fn depth_is_estimated_from_cameras_in_a_plane() {
         let file = json!({ "frames": (0..49).map(frame).collect::<Vec<_>>() });
         std::fs::write(bench.path("in.json"), file.to_string()).unwrap();
         ok(bench.run(
-            "render tiles.glb --transforms in.json --transforms-up y --out array --spp 32 --layers depth --overwrite",
+            "render tiles.glb --transforms in.json --transforms-up y --out array --spp 8 --integrator direct --layers depth --overwrite",
         ));
         ok(bench.run("depth array --depths-m 0.52,1.1 --camera 24 --out array.pfm"));
         let focal_m = 200.0 * (1.0 + turn * (3.1 * 24.0_f64).sin()) * 0.013;

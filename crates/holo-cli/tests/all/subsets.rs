@@ -75,7 +75,8 @@ fn tools_for_whole_grids_refuse_a_subset() {
 fn depth_is_estimated_from_some_of_the_views() {
     let bench = Bench::new();
     run(&bench, "scene tiles --out tiles.glb");
-    let render = "render tiles.glb --views 7 --lenses 96x64 --spp 32 --disparity -1,1 --exposure 0 --quiet";
+    let render =
+        "render tiles.glb --views 7 --lenses 96x64 --spp 32 --integrator direct --disparity -1,1 --exposure 0 --quiet";
     run(&bench, &format!("{render} --write el,disparity --out whole"));
     let score = |map: &str| {
         let outcome = bench.run(&format!("eval {map} whole/scene_disparity.pfm --border 8 --json"));

@@ -19,6 +19,7 @@ from browser import Browser  # noqa: E402
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PATIENCE_S = 60
+WINDOW = (1280, 800)
 
 
 class Check:
@@ -286,7 +287,8 @@ def main():
         return 77
     if options.shots:
         os.makedirs(options.shots, exist_ok=True)
-    with Browser(program) as browser:
+    # A small window is drawn sooner, by a program that is not optimized.
+    with Browser(program, size=WINDOW if options.shots else (880, 560)) as browser:
         check = Check(browser, options.shots)
         found = first_image(check, options.address)
         found.update(drag(check))
@@ -300,7 +302,7 @@ def main():
         drop(check, options.scene)
         view = render(check)
         phone(check, options.address)
-        browser.size(1280, 800)
+        browser.size(*WINDOW)
         browser.open(view)
         check.shot("viewer")
         hostile(check, options.address)
