@@ -2,14 +2,15 @@
 
 use std::time::Duration;
 
-/// How long an image may take: 20 of them a second, of which the browser needs a part.
+/// An image takes no longer than this. The browser needs the rest of the 67 ms between two of 15 images a second.
 const BUDGET: Duration = Duration::from_millis(50);
 
-/// The sides are eighths of what is wanted, and at least a quarter: a size that followed every image would flicker.
+/// The sides of an image are two to eight eighths of those that the page wants. A size without steps would change with every
+/// image, and the view would flicker.
 const WHOLE: usize = 8;
 const LEAST: usize = 2;
 
-/// The size that the next image of a moving camera has, by what the last ones took.
+/// The size of the next image of a moving camera. It follows from the time that the last images took.
 #[derive(Debug)]
 pub(crate) struct Pace {
     eighths: usize,
@@ -27,7 +28,8 @@ impl Pace {
         wanted.map(|side| (side * self.eighths / WHOLE).max(1))
     }
 
-    /// An image of that size has been drawn: the next one is smaller at once, or larger step by step.
+    /// An image of that size has been drawn. If it took too long, the next one is as small as it must be; if there is room for
+    /// a step, the next one is a step larger.
     pub fn drawn(&mut self, took: Duration) {
         let now = self.eighths as f64;
         let fits = now * (BUDGET.as_secs_f64() / took.as_secs_f64().max(1e-9)).sqrt();
