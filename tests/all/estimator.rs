@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use crate::common::rig;
+use crate::common::{is_thorough, rig};
 use holo_core::{Projection, Rig};
 use holo_io::Limits;
 use holo_render::{Backend, Integrator, Renderer, Request};
@@ -29,11 +29,13 @@ struct Case {
 
 impl Case {
     /// The gallery, with every kind of light: emissive surfaces, punctual lights, a sky, glass and glossy surfaces; and
-    /// a window with an environment map.
+    /// a window with an environment map. Unless the run is thorough, every third scene and the steep ones.
     fn all() -> Vec<Self> {
         let mut cases: Vec<Self> = gallery::NAMES
             .iter()
-            .map(|&name| {
+            .enumerate()
+            .filter(|(place, name)| is_thorough() || place % 3 == 0 || STEEP.contains(name))
+            .map(|(_, &name)| {
                 let scene = gallery::scene(name).expect("a scene of the gallery");
                 let sky = if name == "garden" { 0.5 } else { 0.0 };
                 Self::new(name, &scene, 0.6, sky)

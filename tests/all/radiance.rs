@@ -5,6 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::common;
 use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_io::Limits;
 use holo_render::{Backend, Baseline, Framing, Integrator, Layer, LayerSet, Rendered, Renderer, Request};
@@ -142,8 +143,8 @@ fn the_still_life_is_lit_as_in_mitsuba() {
         eprintln!("not run: needs the reference scene (HOLO_REFERENCE)");
         return;
     }
-    // HOLO_SAMPLES=4096 gives a converged image.
-    let samples = std::env::var("HOLO_SAMPLES").ok().and_then(|text| text.parse().ok()).unwrap_or(144);
+    // 4096 give a converged image.
+    let samples = if common::is_thorough() { 4096 } else { 144 };
     let references =
         [(Integrator::Path, "still_life_radiance_path.pfm"), (Integrator::Direct, "still_life_radiance_direct.pfm")];
     for (integrator, reference) in references {

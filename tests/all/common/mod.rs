@@ -13,6 +13,11 @@ use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Rendered, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
+/// Whether the nightly run wants all scenes and samples, which take minutes.
+pub fn is_thorough() -> bool {
+    std::env::var_os("HOLO_THOROUGH").is_some_and(|value| value == "1")
+}
+
 /// SplitMix64, a deterministic pseudo-random generator.
 pub struct Random(pub u64);
 

@@ -19,6 +19,11 @@ pub fn program() -> PathBuf {
     std::env::var_os("HOLO_PROGRAM").map_or_else(|| env!("CARGO_BIN_EXE_holo").into(), PathBuf::from)
 }
 
+/// Whether the nightly run wants more rounds, which take minutes.
+pub fn is_thorough() -> bool {
+    std::env::var_os("HOLO_THOROUGH").is_some_and(|value| value == "1")
+}
+
 /// The scene in every [`Bench`].
 pub const SCENE: &str = "tiny.glb";
 

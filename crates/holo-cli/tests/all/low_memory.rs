@@ -27,7 +27,7 @@ fn little_address_space_is_a_result_or_a_message() {
     let bench = Bench::new();
     bench.render("field", "");
     let mut results = 0;
-    for megabytes in [150, 200, 250, 300, 400, 550, 750, 1000, 1400, 2000] {
+    for megabytes in [150, 200, 300, 550, 1000, 2000] {
         for (number, command) in [
             format!("render {SCENE} {SMALL} --spp 1"),
             format!("render {SCENE} {SMALL} --spp 1 --backend bvh --threads 1"),
@@ -48,7 +48,7 @@ fn little_address_space_is_a_result_or_a_message() {
             results += usize::from(outcome.code == Some(0));
         }
     }
-    assert!(results > 20, "most commands need less than the most: {results}");
+    assert!(results > 12, "most commands need less than the most: {results}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Damaged .glb files through the binary: bit flips, overwritten bytes, truncations. Every run ends by itself with exit
 //! code 0 or 1, soon, without a panic, and a failing render leaves nothing.
 //!
-//! `HOLO_MUTATIONS` sets how many files are tried (60 unless told).
+//! 60 files, 1,000 with `HOLO_THOROUGH=1`.
 
 use crate::common;
 use std::process::Stdio;
@@ -91,7 +91,7 @@ fn run(bench: &Bench, arguments: &str, what: &str) -> Outcome {
 
 #[test]
 fn damaged_scenes_are_drawn_or_refused() {
-    let count = std::env::var("HOLO_MUTATIONS").map_or(60, |text| text.parse().expect("HOLO_MUTATIONS is a number"));
+    let count = if common::is_thorough() { 1000 } else { 60 };
     let bench = Bench::new();
     let original = original();
     let mut random = Random(2026);

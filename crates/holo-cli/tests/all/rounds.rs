@@ -1,4 +1,5 @@
-//! Processes that are killed, or that write into one folder at once, again and again: `HOLO_ROUNDS` rounds, 80 by default.
+//! Processes that are killed, or that write into one folder at once, again and again: 80 rounds, 200 with
+//! `HOLO_THOROUGH=1`.
 
 #![cfg(unix)]
 
@@ -6,10 +7,10 @@ use std::collections::BTreeMap;
 use std::process::Stdio;
 use std::time::Duration;
 
-use crate::common::{Bench, SCENE, SMALL, bench_display, camera_with_sensor};
+use crate::common::{Bench, SCENE, SMALL, bench_display, camera_with_sensor, is_thorough};
 
 fn rounds() -> u32 {
-    std::env::var("HOLO_ROUNDS").map_or(80, |count| count.parse().expect("HOLO_ROUNDS is a number"))
+    if is_thorough() { 200 } else { 80 }
 }
 
 /// A bench with the inputs of every command that writes.

@@ -331,7 +331,7 @@ mod tests {
             corners: GridSize::new(2, 3),
             square_m: 0.01,
             poses: None,
-            samples: 8,
+            samples: 2,
             seed: 3,
             engine: EngineSettings::default(),
         };
@@ -342,7 +342,7 @@ mod tests {
             let EngineSettings { backend, threads } = job.engine;
             let board = job.board(&transform(&pose));
             let renderer = Renderer::new(&board, &Transform::IDENTITY, backend, threads).unwrap();
-            let request = Request::new(job.camera.camera.clone()).integrator(Integrator::Direct).samples(8).seed(3);
+            let request = Request::new(job.camera.camera.clone()).integrator(Integrator::Direct).samples(2).seed(3);
             let request = request.layers(LayerSet::EMPTY);
             let whole = image(renderer.render(&request, &()).unwrap().color.unwrap()).unwrap();
             let seen = job.seen(&renderer, &request, &()).unwrap();

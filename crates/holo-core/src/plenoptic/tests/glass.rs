@@ -239,7 +239,9 @@ fn light_that_ends_is_that_of_glass() {
     let relative = 1.0 / camera.central_cos4();
     let rays = 400;
     let (mut squares, mut light_of_all, mut white_of_all) = (0.0, 0.0, 0.0);
-    for ((row, column), &white) in white.indexed_iter() {
+    let every_third = white.indexed_iter().filter(|((row, column), _)| row % 3 == 0 && column % 3 == 0);
+    let count = every_third.clone().count();
+    for ((row, column), &white) in every_third {
         let owner = camera.owner(camera.place_m([column as f64 + 0.5, row as f64 + 0.5]));
         let mut light = 0.0;
         for k in 0..25 {
@@ -262,7 +264,7 @@ fn light_that_ends_is_that_of_glass() {
         squares += (white - light).powi(2);
         (light_of_all, white_of_all) = (light_of_all + light, white_of_all + white);
     }
-    let deviation = (squares / white.len() as f64).sqrt();
+    let deviation = (squares / count as f64).sqrt();
     println!("{:.6} of the light, {deviation:.4} a pixel", light_of_all / white_of_all);
     // The deviation is that of 400 rays.
     assert!(deviation < 4e-3 && (light_of_all / white_of_all - 1.0).abs() < 5e-4, "{light_of_all} {white_of_all}");
