@@ -76,7 +76,7 @@ impl Drawing<'_> {
         }
         kept.exposure_ev = Some(exposure_ev);
         kept.prepared = Some(self.details(kept.prepared.take(), exposure_ev)?);
-        self.refine(&request, &prepared, exposure_ev, start)
+        self.refine(first, &request, &prepared, exposure_ev, start)
     }
 
     /// The exposure of an image: that which is set, that of the last image while the camera moves, else an automatic one.
@@ -120,20 +120,28 @@ impl Drawing<'_> {
         Ok(())
     }
 
-    /// Adds samples to the image until it is good, or something newer arrives.
-    fn refine(&self, request: &Request, prepared: &Prepared, exposure_ev: f64, start: Instant) -> Result<(), Ended> {
+    /// Adds samples to an image of one sample until it is good, or something newer arrives.
+    fn refine(
+        &self,
+        first: LightFieldOwned<f32>,
+        request: &Request,
+        prepared: &Prepared,
+        exposure_ev: f64,
+        start: Instant,
+    ) -> Result<(), Ended> {
         let seed = request.transport.seed;
-        let pass = |k: u32| {
-            let request = request.clone().samples(PASS_SAMPLES).seed(seed.wrapping_add(1 + u64::from(k)));
-            color(prepared, &request, &self.newest)
-        };
-        let mut sum = pass(0)?;
+        let (mut sum, mut count) = (first, 1);
         for k in 1..=MAX_PASSES {
+            let samples = k * PASS_SAMPLES - count;
+            let request = request.clone().samples(samples).seed(seed.wrapping_add(u64::from(k)));
+            let new = color(prepared, &request, &self.newest)?;
+            sum.samples_mut().zip_mut_with(&new.samples(), |sum, new| *sum += samples as f32 * new);
+            count += samples;
             let is_last = start.elapsed() > REFINE_FOR || k == MAX_PASSES;
             // Each image has twice the samples of the one before.
             if k.is_power_of_two() || is_last {
-                let mean = sum.map(|value| value / k as f32).map_err(|why| why.to_string())?;
-                self.send_view(&mean, (exposure_ev, k * PASS_SAMPLES), prepared, start)?;
+                let mean = sum.map(|value| value / count as f32).map_err(|why| why.to_string())?;
+                self.send_view(&mean, (exposure_ev, count), prepared, start)?;
             }
             if k == 1 {
                 // Everything is shown; what follows is better.
@@ -142,7 +150,6 @@ impl Drawing<'_> {
             if is_last {
                 break;
             }
-            sum.samples_mut().zip_mut_with(&pass(k)?.samples(), |sum, new| *sum += *new);
         }
         Ok(())
     }

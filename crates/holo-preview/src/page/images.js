@@ -13,7 +13,7 @@ const drawView = () => {
     image.width = width;
     image.height = height;
   }
-  const canvas = image.getContext('2d');
+  const canvas = image.getContext('2d', { alpha: false });
   canvas.fillStyle = '#141415';
   canvas.fillRect(0, 0, width, height);
   const bitmap = shown.view;

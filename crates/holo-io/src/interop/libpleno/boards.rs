@@ -131,6 +131,15 @@ impl Libpleno {
 mod tests {
     use super::*;
 
+    /// libpleno asks for columns before rows, in millimeters.
+    #[test]
+    fn scenes_describe_one_board() {
+        let value: Value = serde_json::from_str(&Libpleno::scene(GridSize::new(5, 8), 0.0125)).unwrap();
+        let board = &value["checkerboards"][0];
+        assert_eq!((&board["lph"], &board["x_grid"], &board["y_grid"]), (&json!(12.5), &json!(8), &json!(5)));
+        assert_eq!(board["pose"]["rotation"], json!([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));
+    }
+
     /// A point of a board has the place in libpleno's frame that its pose says: p = R^T (b - t).
     #[test]
     fn poses_place_corners() {
