@@ -201,3 +201,17 @@ fn raw_tile<T: Sample>(raw: &Array3<T>) -> RgbImage {
     let part = imageops::crop_imm(&whole, left, top, part_width, part_height).to_image();
     above(&upper, part)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The one channel of a gray sensor is all three of a tile.
+    #[test]
+    fn gray_raw_images_have_gray_tiles() {
+        let tile = raw_tile(&Array3::from_elem((40, 60, 1), u8::MAX));
+        assert!(tile.pixels().all(|Rgb(codes)| *codes == [255; 3]));
+        let color = Array3::from_shape_fn((40, 60, 3), |(.., channel)| if channel == 2 { u16::MAX } else { 0 });
+        assert!(raw_tile(&color).pixels().any(|Rgb(codes)| *codes == [0, 0, 255]));
+    }
+}

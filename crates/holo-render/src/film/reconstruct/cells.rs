@@ -291,3 +291,28 @@ fn size(field: &Field, [low, high]: [f32; 2]) -> usize {
     let size = MAX_MOVEMENT_PX / movement;
     if size >= 1.0 { (size as usize).min(LARGEST) } else { 1 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The partner is the other pixel of the pair, else a neighbor with samples; its mean has a variance of its own.
+    #[test]
+    fn the_variance_of_one_sample_is_that_of_a_difference() {
+        let colors = [9.0, 2.0, 5.0].map(|light| [light; 3]);
+        for (samples, expected) in [
+            ([1.0, 1.0, 1.0], 49.0 / 2.0),
+            ([0.0, 1.0, 1.0], 9.0 / 2.0),
+            ([0.0, 1.0, 3.0], 9.0 * 3.0 / 4.0),
+            ([0.0, 1.0, 0.0], 4.0),
+        ] {
+            let guides = samples.map(|count| {
+                let mut guides = [0.0; CHANNELS];
+                guides[SAMPLES] = count;
+                guides
+            });
+            let found = single_variance(&colors, &guides, 1);
+            assert!((found / expected - 1.0).abs() < 1e-5, "{samples:?}: {found} for {expected}");
+        }
+    }
+}
