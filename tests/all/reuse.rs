@@ -2,8 +2,8 @@
 //!
 //! Bounds: images with and without reuse are compared microlens by microlens, 864 in all, 384 unless the run is
 //! thorough. Over independent seeds the differences of the means, divided by their standard errors, are distributed about
-//! like Student's t with 62 degrees of freedom: 0.39 % lie beyond 3, five in a million beyond 5. The sums over the microlenses of an image are about normal:
-//! six in 100,000 lie beyond 4. Seeds are fixed, so the result is deterministic.
+//! like Student's t with 62 degrees of freedom: 0.39 % lie beyond 3, five in a million beyond 5. The sums over
+//! the microlenses of an image are about normal: six in 100,000 lie beyond 4. Seeds are fixed, so the result is deterministic.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -125,7 +125,8 @@ fn sharing_light_is_unbiased() {
         }
     }
     assert!(shared * 5 > images * 3, "{shared} of {images}");
-    // Three are expected; more than eight come by chance once in 200.
+    // Of 864 three are expected, and more than eight come by chance once in 100; of 384 one or two, and more than three once
+    // in 15.
     assert!(beyond_three * 100 < all, "{beyond_three} of {all} beyond three standard errors");
 }
 
