@@ -1,4 +1,6 @@
-"""Makes the images of the guide: `python guide/make_images.py`, with the Python package installed. Twenty minutes on two cores."""
+"""Makes the images of the guide: `python guide/make_images.py [NAME ..]`, with the Python package installed.
+
+All take twenty minutes on two cores."""
 
 import pathlib
 import subprocess
@@ -26,21 +28,130 @@ def row(images, height, gap=8):
     return np.concatenate(parts[:-1], axis=1)
 
 
+def gray(values, like=None):
+    """Brightness between the least and the largest value of a map, or of another one."""
+    like = values if like is None else like
+    codes = np.clip((values - like.min()) / (like.max() - like.min()), 0, 1) * 255
+    return np.repeat(codes.astype(np.uint8)[:, :, None], 3, axis=2)
+
+
+def program(words):
+    """Runs a command."""
+    subprocess.run([sys.executable, "-m", "holo", *words.split()], check=True)
+
+
 def field():
     scene = holo.Scene.gallery("garden")
     result = holo.render(scene, views=(20, 20), lenses=(265, 397), spp=8, disparity=(-1, 1), denoise="views")
     codes = result.light_field.encode()
     raw = codes.elemental_grid()[20 * 132 : 20 * 144, 20 * 216 : 20 * 228]
-    near, far = result.disparity.max(), result.disparity.min()
-    gray = ((result.disparity - far) / (near - far) * 255).astype(np.uint8)
     images = [
         codes.central,
         raw,
         srgb(result.light_field.refocus(-0.85), result.exposure_ev),
         srgb(result.light_field.refocus(0.5), result.exposure_ev),
-        np.repeat(gray[:, :, None], 3, axis=2),
+        gray(result.disparity),
     ]
     holo.write_image(OUT / "field.png", row(images, 265))
+
+
+def first():
+    """What the commands of the first chapter make."""
+    options = dict(views=9, lenses=(80, 120), disparity=(-1, 1), spp=4, denoise="views", layers=["disparity"])
+    result = holo.render(holo.Scene.gallery("garden"), **options)
+    light_field, truth = result.light_field, result.disparity
+    sharp = srgb(light_field.refocus(0.5), result.exposure_ev)
+    images = [light_field.encode().central, sharp, gray(light_field.disparity(), truth), gray(truth)]
+    holo.write_image(OUT / "first.png", row(images, 160))
+
+
+def conventions():
+    """A color for every microlens and a brightness for every view, as raw image and as grid of views."""
+    v, u, t, s = np.mgrid[0:4, 0:6, 0:3, 0:3]
+    color = np.stack([60 + 35 * u, 60 + 50 * v, np.full_like(u, 150)], axis=-1) * (0.6 + 0.05 * (3 * t + s))[..., None]
+    samples = holo.LightField(color.astype(np.uint8), axes="vutsc")
+    grids = [samples.elemental_grid(), samples.viewpoint_grid()]
+    holo.write_image(OUT / "conventions.png", row([grid.repeat(18, axis=0).repeat(18, axis=1) for grid in grids], 216, 40))
+
+
+def datasets():
+    """The contact sheet of a small dataset."""
+    with tempfile.TemporaryDirectory() as folder:
+        program(f"dataset --out {folder}/data --scenes plaster,chess,garden,tiles --views 20 --sensor 3600x2400 --spp 2 --denoise views")
+        sheet = holo.read_image(f"{folder}/data/contact_sheet_20x20.png")
+    holo.write_image(OUT / "datasets.png", sheet)
+
+
+def motion():
+    """Frames of a pendulum, and the optical flow of the middle one: red to the right, green downward."""
+    scene = holo.Scene.gallery("pendulum")
+    options = dict(views=1, lenses=(160, 240), spp=64, integrator="direct")
+    frames = [holo.render(scene, frame=frame, **options) for frame in (2, 6, 10)]
+    images = [srgb(frame.light_field.central, frames[0].exposure_ev) for frame in frames]
+    moved = holo.render(scene, views=1, lenses=(160, 240), frame=6, integrator="depth", layers=["optical-flow"])
+    flow = np.nan_to_num(moved.layers["optical-flow"])
+    codes = np.full((160, 240, 3), 128, np.uint8)
+    codes[..., :2] = 128 + 127 * flow / abs(flow).max()
+    holo.write_image(OUT / "motion.png", row([*images, codes], 160))
+
+
+def others():
+    """From a folder of the HCI benchmark to disparity."""
+    with tempfile.TemporaryDirectory() as folder:
+        options = dict(views=9, lenses=(160, 240), disparity=(-1, 1), spp=16, write=["hci", "disparity"])
+        holo.render_to(f"{folder}/scene", holo.Scene.gallery("garden"), **options)
+        light_field, truth = holo.open(f"{folder}/scene/hci"), holo.read_image(f"{folder}/scene/scene_disparity.pfm")
+    raw = light_field.elemental_grid()[9 * 70 : 9 * 86, 9 * 100 : 9 * 124]
+    images = [light_field.central, raw, gray(light_field.disparity(), truth), gray(truth)]
+    holo.write_image(OUT / "others.png", row(images, 160))
+
+
+def plenoptic():
+    """The raw image of a camera with hexagonal microlenses, its white image, and a decoded view."""
+    text = """
+[sensor]
+size_px = [960, 720]
+pixel_um = 6.0
+[mla]
+grid = "hex-rows"
+pitch_um = 60.0
+gap_um = 300.0
+focal_um = "pupil"
+[main_lens]
+focal_mm = 12.0
+f_number = 5.0
+focus_m = 1.0
+"""
+    camera = holo.PlenopticCamera.from_toml(text)
+    raw = holo.render_raw(holo.Scene.gallery("garden"), camera, spp=32)
+    white = camera.white_image()
+    part = np.s_[300:380, 440:540]
+    view = raw.decode().light_field.encode().central
+    images = [srgb(raw.image, 1.0), srgb(raw.image, 1.0)[part], gray(white[part].squeeze()), view]
+    holo.write_image(OUT / "plenoptic.png", row(images, 240))
+
+
+def train():
+    """A view, and some of its masks."""
+    with tempfile.TemporaryDirectory() as folder:
+        options = dict(views=9, lenses=(200, 200), disparity=(-1.5, 1.5), spp=4, denoise="views", write=["vpi", "disparity", "masks"])
+        holo.render_to(folder, holo.Scene.gallery("chess"), **options)
+        names = ("discontinuity", "occluded", "textureless", "reflective", "fine")
+        masks = [holo.read_image(f"{folder}/masks/{name}.png") for name in names]
+        view = holo.open(folder).central
+    images = [view, *(gray((mask > 0).astype(float)) for mask in masks)]
+    holo.write_image(OUT / "train.png", row(images, 200))
+
+
+def accuracy():
+    """One scene by this renderer and by Mitsuba 3, and twenty times their difference around gray."""
+    folder = pathlib.Path(__file__).parents[1] / "tests" / "radiance"
+    options = dict(views=1, lenses=(66, 99), spp=4096, focus_m=0.8, integrator="path", sky=(0.2, 0.24, 0.32), no_multiple_scattering=True)
+    ours = holo.render(holo.Scene.open(folder / "metal_and_glass.glb"), **options).light_field.central
+    theirs = holo.read_image(folder / "metal_and_glass_path.pfm")
+    codes = [srgb(image, 0.0) for image in (ours, theirs)]
+    difference = np.clip(128 + 20.0 * (codes[0].astype(int) - codes[1]), 0, 255).astype(np.uint8)
+    holo.write_image(OUT / "accuracy.png", row([*codes, difference], 198))
 
 
 def noise():
@@ -86,7 +197,7 @@ def array():
             "array plane --count 9x9 --spacing-m 0.05 --radius-m 1.2 --target 0,0.2,0 --size 384x288 --fov-deg 45 --seed 1 "
             "--jitter-position-m 0.01 --jitter-rotation-deg 1 --jitter-focal 0.02 --jitter-gain 0.15 --jitter-color 0.1 --out"
         )
-        subprocess.run([sys.executable, "-m", "holo", *words.split(), folder / "array.json"], check=True)
+        program(f"{words} {folder / 'array.json'}")
         holo.render_to(folder / "array", scene, transforms=folder / "array.json", spp=16, layers=["depth"], exposure=0.0)
         cameras = holo.CameraArray(folder / "array")
         pose = holo.Pose(eye=(0.02, 0.22, 1.2), target=(0.02, 0.22, 0.0))
@@ -104,7 +215,7 @@ def focused():
     """The raw image of a focused camera, a part of it, and the view in the middle."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "r12.toml"
-        subprocess.run([sys.executable, "-m", "holo", "camera", "raytrix-r12-a", "--out", path], check=True)
+        program(f"camera raytrix-r12-a --out {path}")
         text = path.read_text().replace("size_px = [4080, 3068]", "size_px = [1360, 1024]")
     camera = holo.PlenopticCamera.from_toml(text.replace("mla_distance_mm = 56.6871", "focus_m = 0.85"))
     raw = holo.render_raw(holo.Scene.gallery("dominoes"), camera, spp=16)
@@ -122,7 +233,7 @@ def rigs():
             "array plane --count 3x1 --spacing-m 0.2 --radius-m 1.1 --target 0.05,0.15,0 --size 288x216 --fov-deg 34 --seed 2 "
             "--jitter-rotation-deg 3 --out"
         )
-        subprocess.run([sys.executable, "-m", "holo", *words.split(), folder / "poses.json"], check=True)
+        program(f"{words} {folder / 'poses.json'}")
         options = dict(views=3, baseline_m=0.01, focus_m=1.4, spp=32, layers=["depth"], write=["vpi"], exposure=0.0)
         holo.render_to(folder / "rigs", scene, transforms=folder / "poses.json", **options)
         array = holo.CameraArray(folder / "rigs")
@@ -164,21 +275,19 @@ def depth():
     result = holo.render(scene, views=(9, 9), lenses=(200, 300), spp=16, disparity=(-1, 1), denoise="views")
     field, truth = result.light_field, result.disparity
     maps = [truth] + [field.disparity((-1.1, 1.1), subset=s) for s in ("cross", "4,4;0,0;8,1;1,8;7,7;4,1")]
-    near, far = truth.max(), truth.min()
-    images = [(np.clip((map - far) / (near - far), 0, 1) * 255).astype(np.uint8) for map in maps]
+    images = [gray(map, truth) for map in maps]
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         words = (
             "array plane --count 7x7 --spacing-m 0.013 --radius-m 0.62 --target 0.02,0.1,0 --size 300x200 --fov-deg 40 --seed 3 "
             "--jitter-rotation-deg 1 --jitter-focal 0.02 --out"
         )
-        subprocess.run([sys.executable, "-m", "holo", *words.split(), folder / "array.json"], check=True)
+        program(f"{words} {folder / 'array.json'}")
         holo.render_to(folder / "array", scene, transforms=folder / "array.json", spp=16, layers=["depth"], exposure=0.0)
         array = holo.CameraArray(folder / "array")
         inverse = [1 / array.depth(24), 1 / array.estimate_depth((0.3, 1.2), "camera_0024").depth]
-        low, high = inverse[0].min(), inverse[0].max()
-        images += [(np.clip((map - low) / (high - low), 0, 1) * 255).astype(np.uint8) for map in inverse[1:]]
-    holo.write_image(OUT / "depth.png", row([np.repeat(image[:, :, None], 3, axis=2) for image in images], 200))
+        images.append(gray(inverse[1], inverse[0]))
+    holo.write_image(OUT / "depth.png", row(images, 200))
 
 
 def orthographic():
@@ -205,13 +314,10 @@ def generated():
 
 if __name__ == "__main__":
     OUT.mkdir(parents=True, exist_ok=True)
-    field()
-    noise()
-    glass()
-    array()
-    focused()
-    rigs()
-    display()
-    depth()
-    orthographic()
-    generated()
+    every = (
+        field, first, conventions, noise, datasets, motion, others, plenoptic, train, accuracy,
+        glass, array, focused, rigs, display, depth, orthographic, generated,
+    )
+    for make in every:
+        if not sys.argv[1:] or make.__name__ in sys.argv[1:]:
+            make()

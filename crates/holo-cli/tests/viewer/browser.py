@@ -13,16 +13,19 @@ import time
 FLAGS = [
     "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--no-first-run", "--hide-scrollbars",
     "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-extensions",
-    "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--force-device-scale-factor=1",
+    "--force-device-scale-factor=1",
     # A page may be larger than the small shared memory of a container.
     "--disable-dev-shm-usage",
 ]
+
+# WebGL by the processor; the browser then draws the whole page with it, which takes longer.
+WEBGL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
 class Browser:
     """One headless browser with one page."""
 
-    def __init__(self, program, size=(1280, 800), patience_s=120):
+    def __init__(self, program, size=(1280, 800), patience_s=120, webgl=False):
         self.profile = tempfile.mkdtemp(prefix="holo-viewer-")
         self.patience_s = patience_s
         self.waiting = b""
@@ -39,7 +42,7 @@ class Browser:
             os.dup2(high_out, 4)
 
         self.process = subprocess.Popen(
-            [program, *FLAGS, f"--window-size={size[0]},{size[1]}", f"--user-data-dir={self.profile}", "about:blank"],
+            [program, *FLAGS, *(WEBGL if webgl else []), f"--window-size={size[0]},{size[1]}", f"--user-data-dir={self.profile}", "about:blank"],
             preexec_fn=place, close_fds=False, start_new_session=True,
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )

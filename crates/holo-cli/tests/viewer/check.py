@@ -334,7 +334,7 @@ def main():
         return 77
     address = "file://" + os.path.abspath(options.page)
     # Large enough for all controls, and small for a browser without a graphics card.
-    with Browser(program, size=(800, 300)) as browser:
+    with Browser(program, size=(800, 300), webgl=options.renderer == "webgl2") as browser:
         browser.send("Emulation.setTouchEmulationEnabled", enabled=False)
         seconds = browser.open(address + options.address_part)
         maps = [path and read_pfm(path) for path in (options.truth, options.estimate)]

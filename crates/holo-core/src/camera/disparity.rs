@@ -15,7 +15,7 @@ pub enum Projection {
     /// All rays of a view start in one point, as in a pinhole camera.
     Perspective,
     /// All rays of a view are parallel, as behind a telecentric lens: the paper's "VPIs are orthographic, EIs are
-    /// perspective".
+    /// perspective". Disparity is `k (F - Z) / F^2`.
     Orthographic,
 }
 

@@ -241,8 +241,9 @@ impl Rig {
     ///
     /// # Source
     ///
-    /// The paper's off-axis rig. Perspective: from `(x, y, 0)` to the pixel's point P of the focus plane. Orthographic:
-    /// through the same P in the direction `(-x, -y, -F)`, which is the same for all pixels of a view.
+    /// The paper's off-axis rig. Perspective: from `(x, y, 0)` to the pixel's point of the focus plane, `P = ((u + jx - U/2)
+    /// q F, (V/2 - v - jy) q F, -F)` with `q = sens / (f N)`. Orthographic: through the same P in the direction `(-x, -y,
+    /// -F)`, which is the same for all pixels of a view.
     #[must_use]
     pub fn ray(&self, v: usize, u: usize, t: usize, s: usize, jx: f64, jy: f64) -> RigRay {
         let (x_m, y_m) = (self.view_x_m(s), self.view_y_m(t));

@@ -13,7 +13,7 @@ use super::plane_fit::Plane;
 use crate::base::memory::filled;
 use crate::{Error, GridSize};
 
-/// The color difference at which the weight of a pixel is 0.6, for colors from 0 to 1.
+/// The color difference, the same in every channel, at which the weight of a pixel is 4/9, for colors from 0 to 1.
 const COLOR: f32 = 0.02;
 /// Half the side of the square of pixels, px.
 const RADIUS: usize = 8;
@@ -32,8 +32,7 @@ const STEEPEST: f32 = 0.015;
 /// `image` is the central view with little noise, channel by channel.
 pub(super) fn sharpen(size: GridSize, planes: &[Plane], image: &[f32]) -> Result<Vec<f32>, Error> {
     let mut out = filled("a disparity map", planes.len(), 0.0)?;
-    let per_square = 0.5 * planes.len() as f32 / (COLOR * COLOR * image.len() as f32);
-    let around = Around { size, planes, image, per_square };
+    let around = Around::new(size, planes, image);
     out.par_chunks_exact_mut(size.columns).enumerate().for_each_init(Vec::new, |found, (row, out)| {
         for (column, out) in out.iter_mut().enumerate() {
             *out = planes[row * size.columns + column].here;
@@ -56,7 +55,17 @@ struct Around<'a> {
     per_square: f32,
 }
 
-impl Around<'_> {
+impl<'a> Around<'a> {
+    fn new(size: GridSize, planes: &'a [Plane], image: &'a [f32]) -> Self {
+        let per_square = 0.5 * planes.len() as f32 / (COLOR * COLOR * image.len() as f32);
+        Self { size, planes, image, per_square }
+    }
+
+    /// The weight of a pixel whose color differs by a sum of squares over the channels.
+    fn weight(&self, squares: f32) -> u32 {
+        (MOST_WEIGHT / (1.0 + squares * self.per_square).powi(2)) as u32
+    }
+
     /// The places of the pixels of a square.
     fn square(&self, row: usize, column: usize, radius: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
         let GridSize { rows, columns } = self.size;
@@ -80,7 +89,7 @@ impl Around<'_> {
         let weight = |k: usize| {
             let squares: f32 =
                 self.image.chunks_exact(pixels).map(|channel| (channel[k] - channel[here]).powi(2)).sum();
-            (MOST_WEIGHT / (1.0 + squares * self.per_square).powi(2)) as u32
+            self.weight(squares)
         };
         found.clear();
         let numbers = self.square(row, column, RADIUS).map(|(v, u)| v * columns + u);
@@ -132,6 +141,17 @@ mod tests {
                 let expected = (0..sorted.len()).find(|&k| 2 * up_to(k) >= total).unwrap();
                 assert_eq!(weighted_median(&mut values), sorted[expected].0, "{count} {distinct}");
             }
+        }
+    }
+
+    #[test]
+    fn pixels_of_another_color_weigh_less() {
+        let planes = [Plane::default(); 2];
+        for channels in [1, 3] {
+            let image = vec![0.0; 2 * channels];
+            let around = Around::new(GridSize::new(1, 2), &planes, &image);
+            let weights = [0.0, 1.0, 5.0].map(|parts| around.weight(parts * channels as f32 * COLOR * COLOR));
+            assert_eq!(weights, [65_536, 29_127, 5349], "{channels}");
         }
     }
 

@@ -33,3 +33,22 @@ pub(crate) fn is_own(root: &Folder) -> bool {
     };
     is_same().unwrap_or(false)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_with_one_more_byte_is_not_own() {
+        let place = tempfile::tempdir().expect("a folder");
+        let root = Folder::open(place.path()).expect("opened");
+        assert!(!is_own(&root));
+        let cameras = CameraArray { cameras: vec![Default::default()] };
+        write(&root, &cameras, WorldUp::default(), Some(GridSize::new(2, 3))).expect("written");
+        assert!(is_own(&root));
+        let path = place.path().join(TRANSFORMS);
+        let text = std::fs::read_to_string(&path).expect("read");
+        std::fs::write(&path, text + "\n").expect("written");
+        assert!(!is_own(&root));
+    }
+}

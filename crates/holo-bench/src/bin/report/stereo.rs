@@ -2,28 +2,22 @@
 
 use holo_core::metrics::{Region, disparity_scores, trivial_constant, trivial_plane};
 use holo_core::{Effort, GridSize, PlaneSweepOptions, plane_sweep};
-use holo_render::{Integrator, Layer, Request, Sampling, exposure};
+use holo_render::{Integrator, Layer, Request, exposure};
 
 use crate::plot::{Plot, Series};
 use crate::scenes::{FramedScene, sky};
 use crate::table::{Table, short, timed};
 use crate::{RunOptions, Section};
 
-/// Effort and sampler of each run, with their names in the table. Every effort runs on images of the default sampler.
-const RUNS: [(Effort, Sampling, &str, &str); 5] = [
-    (Effort::Draft, Sampling::OwnPositions, "draft", "default"),
-    (Effort::Fast, Sampling::OwnPositions, "fast", "default"),
-    (Effort::Balanced, Sampling::OwnPositions, "balanced", "default"),
-    (Effort::Thorough, Sampling::OwnPositions, "thorough", "default"),
-    (Effort::Balanced, Sampling::SharedPositions, "balanced", "sample positions shared by 4 x 4 views"),
-];
+/// The efforts with their names.
+const EFFORTS: [(Effort, &str); 4] =
+    [(Effort::Draft, "draft"), (Effort::Fast, "fast"), (Effort::Balanced, "balanced"), (Effort::Thorough, "thorough")];
 
 pub fn section(options: &RunOptions) -> Section {
     let lenses = if options.quick { GridSize::new(120, 180) } else { GridSize::new(300, 450) };
     let samples = if options.quick { 4 } else { 16 };
     let mut table = Table::new(&[
         "scene",
-        "sampling",
         "effort",
         "seconds",
         "BadPix(0.07), %",
@@ -39,31 +33,23 @@ pub fn section(options: &RunOptions) -> Section {
         let renderer = framed.renderer(options.engines[0], None);
         let integrator = Integrator::Direct;
         let request = Request::new(framed.rig).integrator(integrator).samples(samples).sky(sky(scene_name));
-        let render = |sampling| {
-            let request = request.clone().sampling(sampling);
-            let rendered = renderer.render(&request, &()).expect("a render");
-            let color = rendered.color.expect("the scene is lit");
-            let stops = exposure::automatic_exposure(&color);
-            let coded = exposure::encode_8bit(&color, stops).expect("an image");
-            (coded, rendered.central[Layer::Disparity].index_axis(ndarray::Axis(2), 0).to_owned())
-        };
-        let ((own, ground_truth), (shared, _)) = (render(Sampling::OwnPositions), render(Sampling::SharedPositions));
+        let rendered = renderer.render(&request, &()).expect("a render");
+        let light = rendered.color.expect("the scene is lit");
+        let coded = exposure::encode_8bit(&light, exposure::automatic_exposure(&light)).expect("an image");
+        let ground_truth = rendered.central[Layer::Disparity].index_axis(ndarray::Axis(2), 0).to_owned();
         let finite = ground_truth.iter().copied().filter(|d| d.is_finite());
         let (low, high) = finite.fold((f32::MAX, f32::MIN), |(low, high), d| (low.min(d), high.max(d)));
         let region = Region::with_border(15);
         let constant = trivial_constant(&ground_truth, 0.07, &region).expect("a map").bad_pixels_percent;
         let plane = trivial_plane(&ground_truth, 0.07, &region).expect("a map").bad_pixels_percent;
         let mut points = Vec::new();
-        for (effort, sampler, name, sampling) in RUNS {
+        for (effort, name) in EFFORTS {
             let sweep = PlaneSweepOptions::default().range_px(low - 0.1, high + 0.1).effort(effort);
-            let coded = if sampler == Sampling::OwnPositions { &own } else { &shared };
             let (seconds, estimate) =
-                timed(options.rounds.min(3), || plane_sweep(coded, &sweep).expect("an estimate").disparity_px);
+                timed(options.rounds.min(3), || plane_sweep(&coded, &sweep).expect("an estimate").disparity_px);
             let scores = disparity_scores(&estimate, &ground_truth, &region).expect("maps of one size");
-            if sampler == Sampling::OwnPositions {
-                points.push((seconds.median, scores.bad_pixels_percent[2]));
-            }
-            if (effort, sampler) == (Effort::Balanced, Sampling::OwnPositions) {
+            points.push((seconds.median, scores.bad_pixels_percent[2]));
+            if effort == Effort::Balanced {
                 highlights.push([
                     format!("disparity from stereo: `{scene_name}`, {name}"),
                     format!("{} s", seconds.text()),
@@ -72,7 +58,6 @@ pub fn section(options: &RunOptions) -> Section {
             }
             table.push([
                 scene_name.into(),
-                sampling.into(),
                 name.into(),
                 seconds.text(),
                 short(scores.bad_pixels_percent[2]),

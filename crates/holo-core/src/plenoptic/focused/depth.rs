@@ -223,3 +223,15 @@ fn medians(map: &[f32], size: GridSize) -> Result<Vec<f32>, Error> {
     });
     Ok(medians)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Images that move by a quarter of the pitch are those of points four gaps away, which four microlenses side by side show.
+    #[test]
+    fn microlenses_show_points_as_far_away_as_half_of_their_virtual_depth() {
+        let planes = Planes { shifts_px: vec![-10.0, 40.0], numerator: 1.0, inverse_focus: 1.0, pitch_px: 40.0 };
+        assert_eq!([0, 1].map(|plane| planes.reach(plane)), [2.0, 1.0]);
+    }
+}

@@ -2,9 +2,11 @@
 
 use std::collections::HashMap;
 
+use super::composition::{Composition, Rest, Space};
 use super::objects::{self, Shape};
 use super::*;
 use crate::Mesh;
+use crate::built::parts::noise::Random;
 use crate::gltf::to_glb;
 
 fn recipes() -> impl Iterator<Item = Recipe> {
@@ -52,6 +54,23 @@ fn settings_are_in_their_ranges() {
     }
     assert_ne!(recipe.settings(3, 0), recipe.settings(3, 1));
     assert_ne!(recipe.settings(3, 0), recipe.settings(4, 0));
+}
+
+/// In each quarter of the range of disparities are a quarter of the objects, within four standard errors.
+#[test]
+fn objects_are_placed_evenly_in_disparity() {
+    // Its objects may overlap, so no place is drawn twice.
+    let recipe = Recipe::by_name("thin-and-slanted").unwrap();
+    let mut composition = Composition::new(&recipe.parts, &recipe.models, Random::new(7));
+    let (view, space) = (composition.view, Space { near: 2.0, far: 5.0, rest: Rest::Nothing });
+    let mut counts = [0_u32; 4];
+    for _ in 0..4000 {
+        let (center, _) = composition.place(&space).unwrap();
+        let part = (1.0 / (center - view.eye).dot(view.ahead) - 0.2) / 0.3;
+        assert!((-1e-9..1.0 + 1e-9).contains(&part), "{part}");
+        counts[((4.0 * part) as usize).min(3)] += 1;
+    }
+    assert!(counts.iter().all(|count| count.abs_diff(1000) < 110), "{counts:?}");
 }
 
 /// The error says which key is wrong.
