@@ -12,6 +12,7 @@ mod images;
 mod optics;
 mod preview;
 mod settings;
+mod similar;
 mod spec;
 mod tools;
 mod values;
@@ -44,6 +45,7 @@ pub use images::{
 pub use optics::OpticsOptions;
 pub use preview::PreviewOptions;
 pub use settings::{OfDataset, OfInfo, OfPreview, OfRender, Settings};
+pub use similar::with_similar_value;
 pub use spec::open_camera;
 pub use tools::{
     CorrespondOptions, DepthOptions, DisparityArgument, EpiOptions, EvalOptions, InputOptions, RefocusOptions,

@@ -19,14 +19,15 @@ use std::path::Path;
 
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
-use arguments::{Arguments, Benchmark, Command};
+use arguments::{Arguments, Benchmark, Command, with_similar_value};
 use console::say;
 use failure::Failure;
 
 /// Runs a command line, whose first word is the name of the program, and returns the exit code: 0 done, 1 failed (the
 /// message says what, where and what to do), 2 wrong use. Help, the version and malformed options end the process.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
-    let matches = Arguments::command().get_matches_from(words);
+    let matches = Arguments::command().try_get_matches_from(words);
+    let matches = matches.unwrap_or_else(|error| with_similar_value(error).exit());
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     // The words of the command, for those that read a configuration too.
     let words = matches.subcommand().map(|(_, words)| words.clone()).unwrap_or_default();

@@ -9,6 +9,7 @@ use holo_dataset::settings::Given;
 use holo_io::CameraFile;
 use toml::Value;
 
+use super::similar::with_similar_value;
 use crate::failure::Failure;
 
 /// A file of options is at most this long.
@@ -101,7 +102,7 @@ fn parse<T: Args + FromArgMatches>(
     line.extend(own);
     let matches = command.try_get_matches_from(line);
     let parsed = matches.and_then(|matches| T::from_arg_matches(&matches));
-    parsed.map_err(|error| wrong(error.to_string()))
+    parsed.map_err(|error| wrong(with_similar_value(error).to_string()))
 }
 
 /// A value as it would stand on the command line, in pieces.

@@ -30,7 +30,12 @@ fn flags_and_values_that_do_not_exist() {
     refused(&bench, "--sensor nonsense", &["--sensor", "hd, 4k, 8k, uhd8k or WIDTHxHEIGHT"]);
     refused(&bench, "--integrator magic", &["auto, depth, direct"]);
     refused(&bench, "--write nonsense", &["vpi, el, disparity, depth"]);
-    refused(&bench, "--layers normals", &["color, depth, ray-length", "shading-normal", "hit-mask, reflective, all"]);
+    refused(
+        &bench,
+        "--layers normals",
+        &["color, depth, ray-length", "hit-mask, reflective, all", "similar value exists: 'shading-normal'"],
+    );
+    refused(&bench, "--write hdf5", &["similar value exists: 'h5'"]);
     refused(&bench, "--sky sky.gif", &["--sky", "R,G,B", ".hdr, .exr, .png or .jpg"]);
     refused(&bench, "--bit-depth 12", &["8 or 16"]);
     refused(&bench, "--backend gpu", &["auto, embree, bvh"]);

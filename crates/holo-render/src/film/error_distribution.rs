@@ -8,6 +8,9 @@ const MANTISSA_BITS: u32 = 5;
 /// The number of classes: that of infinity is the last.
 const CLASSES: usize = (f32::INFINITY.to_bits() >> (f32::MANTISSA_DIGITS - 1 - MANTISSA_BITS)) as usize + 1;
 
+/// Pixels with smaller errors see nothing that has noise.
+const LEAST_NOISE: f32 = 1e-4;
+
 /// The distribution of the estimated relative standard error of pixels: how many pixels are in each of 32 classes for
 /// each factor of two.
 ///
@@ -52,13 +55,14 @@ impl ErrorDistribution {
         }
     }
 
-    /// The error that this part of the pixels with noise, 0 to 1, is below; `None` without pixels. Pixels without any noise,
-    /// which see black or an even sky, are left out, as long as there are others: else a small object before a sky has
-    /// no error.
+    /// The error that this part of the pixels with noise, 0 to 1, is below; `None` without pixels. Pixels with an error below
+    /// 0.01 %, which see black or a smooth sky, are left out, as long as there are others: else a small object before a sky
+    /// has no error.
     #[must_use]
     pub fn quantile(&self, part: f64) -> Option<f64> {
-        let has_noise = self.0.keys().any(|class| *class > 0);
-        let noisy = || self.0.iter().filter(|(class, _)| **class > 0 || !has_noise);
+        let least = class(LEAST_NOISE);
+        let has_noise = self.0.keys().any(|class| *class >= least);
+        let noisy = || self.0.iter().filter(|(class, _)| **class >= least || !has_noise);
         let count: u64 = noisy().map(|(_, pixels)| pixels).sum();
         let rank = (part.clamp(0.0, 1.0) * count.saturating_sub(1) as f64).round() as u64;
         let mut below = 0;
@@ -118,13 +122,15 @@ mod tests {
         assert_eq!(distribution.quantile(0.5), None);
         distribution.extend(&[0.0; 90]);
         assert_eq!(distribution.quantile(0.5), Some(0.0));
+        // A smooth sky.
+        distribution.extend(&[2e-5; 90]);
         distribution.extend(&[0.2; 10]);
         assert!((distribution.quantile(0.01).expect("pixels") / 0.2 - 1.0).abs() < 0.016);
     }
 
     #[test]
     fn parts_add_up_to_the_whole() {
-        let errors = [0.0, 1e-30, 0.02, 0.02, 0.5, f32::INFINITY, f32::NAN];
+        let errors = [0.0, 1e-3, 0.02, 0.02, 0.5, f32::INFINITY, f32::NAN];
         let (mut whole, mut parts, mut last) = <(ErrorDistribution, ErrorDistribution, ErrorDistribution)>::default();
         whole.extend(&errors);
         parts.extend(&errors[..3]);
@@ -133,7 +139,7 @@ mod tests {
         assert_eq!(parts, whole);
         assert_eq!(ErrorDistribution::from_counts(whole.counts()), whole);
         assert_eq!(whole.quantile(1.0), Some(f64::INFINITY));
-        assert!((whole.quantile(0.0).expect("pixels") / 1e-30 - 1.0).abs() < 0.016);
+        assert!((whole.quantile(0.0).expect("pixels") / 1e-3 - 1.0).abs() < 0.016);
         assert_eq!(ErrorDistribution::default().quantile(0.5), None);
     }
 }
