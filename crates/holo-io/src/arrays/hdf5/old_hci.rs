@@ -15,12 +15,12 @@
 
 use std::path::Path;
 
-use ::hdf5::{Dataset, File, Hyperslab, SliceOrIndex};
+use ::hdf5::{Dataset, File, SliceOrIndex};
 use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Rig};
 use ndarray::{Array2, ArrayD, Axis, Ix2, Ix5};
 
 use super::library::{Failure, open};
-use super::read::check_chunk;
+use super::read::read_part;
 use super::storage::find;
 use super::{FORMAT, Hdf5Map, attributes};
 use crate::{Error, Limits};
@@ -96,7 +96,8 @@ impl OldHciFile {
 
     /// Reads all samples; view columns run from left to right.
     pub fn read(&self) -> Result<DynLightField, Error> {
-        let samples: ArrayD<u8> = self.part(&self.samples, &self.dimensions.map(|count| (0..count).into()))?;
+        let samples: ArrayD<u8> =
+            read_part(&self.samples, &self.dimensions.map(|count| (0..count).into()), &self.path, self.limits)?;
         let mut samples = samples
             .into_dimensionality::<Ix5>()
             .map_err(|error| Error::broken(&self.path, FORMAT, error.to_string()))?;
@@ -120,9 +121,9 @@ impl OldHciFile {
         let all = [SliceOrIndex::from(0..v), (0..u).into()];
         let depth: ArrayD<f32> = match dataset.shape().as_slice() {
             shape if *shape == [t, s, v, u] => {
-                self.part(&dataset, &[row.into(), (s - 1 - column).into(), all[0], all[1]])?
+                read_part(&dataset, &[row.into(), (s - 1 - column).into(), all[0], all[1]], &self.path, self.limits)?
             }
-            shape if *shape == [v, u] => self.part(&dataset, &all)?,
+            shape if *shape == [v, u] => read_part(&dataset, &all, &self.path, self.limits)?,
             shape => {
                 let what = format!("/{name} has shape {shape:?}, which is neither that of all views nor of one");
                 return Err(Error::broken(&self.path, FORMAT, what));
@@ -137,21 +138,6 @@ impl OldHciFile {
             }
             _ => None,
         })
-    }
-
-    fn part<T: ::hdf5::H5Type>(&self, dataset: &Dataset, slices: &[SliceOrIndex]) -> Result<ArrayD<T>, Error> {
-        let path = self.path.as_path();
-        let counts: Vec<usize> = slices
-            .iter()
-            .map(|slice| match *slice {
-                SliceOrIndex::SliceTo { start, end, .. } => end - start,
-                _ => 1,
-            })
-            .collect();
-        self.limits.elements(path, "part of the light field", &counts, size_of::<T>())?;
-        check_chunk(path, dataset, self.limits)?;
-        let failed = |error| Failure { path, is_writing: false }.error(error);
-        dataset.read_slice(Hyperslab::from(slices.to_vec())).map_err(failed)
     }
 }
 
