@@ -267,7 +267,7 @@ impl Hdf5LightField {
 /// Reads a part of a dataset; an axis with an index is left out, as in ndarray.
 ///
 /// The library reads such an axis with its length of 1: where memory has fewer axes than the file, it finds the place of every
-/// value by itself, which takes fifty times as long.
+/// value by itself, which takes forty times as long.
 pub(super) fn read_part<T: H5Type>(
     dataset: &Dataset,
     slices: &[SliceOrIndex],
