@@ -68,6 +68,9 @@ def first_image(check, address):
     check.settle("the first view")
     assert check.run("holoPreview.seen.details !== null && holoPreview.seen.strip !== null")
     assert check.error() == "", check.error()
+    # A small image first, then one that stands still: nothing that arrives moves the image and makes it anew.
+    looks = check.run("holoPreview.look.number")
+    assert looks == 2, looks
     check.shot("start")
     return {"first_image_s": first, "settled_s": time.monotonic() - start}
 

@@ -81,9 +81,9 @@ impl Page {
         for title in titles {
             self.highlights.iter().filter(|row| row[0] == *title).for_each(|row| summary.push(row.clone()));
         }
-        let times = "Times are medians of at most five runs, none of which begins after ten seconds; ± is half the \
-                     difference between the slowest and the fastest run, and missing of a single one. On shared \
-                     machines only ratios are reliable.";
+        let times = "A time is the median of at most five runs; no run begins after ten seconds. ± is half the difference \
+                     between the slowest and the fastest run; a single run has none. On shared machines only ratios are \
+                     reliable.";
         let mut text = format!(
             "# Speed against error\n\nEvery section names the machine that it was measured on. {times}\n\n## {SUMMARY_TITLE}\n\n{}",
             summary.markdown()
@@ -103,7 +103,7 @@ impl Page {
         let older: Vec<&str> =
             self.texts.keys().map(String::as_str).filter(|title| !self.measured.contains(*title)).collect();
         let runs = if older.is_empty() {
-            "All of it is one run.".to_owned()
+            "One run measured all rows.".to_owned()
         } else {
             format!("Older than this run, maybe of another machine: {}.", older.join(", "))
         };

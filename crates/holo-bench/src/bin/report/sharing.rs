@@ -50,7 +50,7 @@ struct Measured {
 /// The divisions of this section and of those on Cycles, with a few scenes.
 pub fn divisions(options: &RunOptions) -> [Division; 2] {
     let scenes: Vec<String> =
-        FEW_SCENES.iter().take(if options.quick { 1 } else { 4 }).map(|&name| name.into()).collect();
+        FEW_SCENES.iter().take(if options.quick { 1 } else { FEW_SCENES.len() }).map(|&name| name.into()).collect();
     let reference = |samples| if options.quick { 128 } else { samples };
     [
         Division { views: 100, rows: 24, reference: reference(2048), scenes: scenes.clone() },
@@ -109,9 +109,9 @@ pub fn section(options: &RunOptions) -> Section {
             .extend(measured.samples.iter().zip(&found).map(|(samples, found)| summary(&measured, samples, found)));
     }
     Section {
-        text: "Paths of up to 8 bounces, `--denoise views`, behind an f/5 lens: the fifteen scenes of the dataset at 8K in \
-               100 x 100 views of 79 x 53 px, four of them in 20 x 20 views of 397 x 265 px; and these four in 41 x 41 \
-               views of 198 x 132 px, 0.25 mm apart. \
+        text: "Paths of up to 8 bounces, `--denoise views`. Behind an f/5 lens, at 8K: fifteen scenes in 100 x 100 views of 79 \
+               x 53 px, four of them in 20 x 20 views of 397 x 265 px. With views 0.25 mm apart: these four in 41 x 41 views \
+               of 198 x 132 px. \
                Seconds are those of the whole light field in memory, one run each. The error is that of the luminance of \
                the 8-bit image, |x - g| / g, over 24 lens rows of the central view, a corner and the middle of an edge, \
                against 4096 (100 x 100) or 1024 samples without sharing. True and estimated error: root mean squares, \
