@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::common;
+use holo_core::refocus::{FocalPlane, Kernel, SyntheticAperture};
 use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_io::Limits;
 use holo_render::{Backend, Baseline, Framing, Integrator, Layer, LayerSet, Rendered, Renderer, Request};
@@ -132,6 +133,73 @@ fn environment_and_emitters_light_as_in_mitsuba() {
         };
         compare(&own(), &case, Backend::Auto);
     }
+}
+
+/// A number in 0 to 1 from a sequence.
+fn random(state: &mut u32) -> f64 {
+    *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+    f64::from(*state >> 8) / f64::from(1 << 24)
+}
+
+/// Cameras at random places of a disc, focused together, are the thin lens of Mitsuba: the error falls with the root of their number,
+/// down to 0.003, which the kernel between pixels leaves. Pixels are half as wide as those that are compared.
+#[test]
+fn random_cameras_together_are_the_lens_of_mitsuba() {
+    const RADIUS_M: f64 = 0.06;
+    const FOCUS_M: f64 = 0.8;
+    const FINER: usize = 2;
+    let theirs = holo_io::read_pfm(own().join("metal_and_glass_lens.pfm"), &Limits::default()).expect("a lens").values;
+    let (rows, columns, _) = theirs.dim();
+    let scene = holo_scene::gltf::load(&own().join("metal_and_glass.glb"), &Default::default()).expect("a scene").scene;
+    let size = GridSize::new(FINER * rows, FINER * columns);
+    let framing = Framing::new(LightFieldShape::new(GridSize::new(1, 1), size).unwrap());
+    let framed = framing.baseline(Baseline::Meters(0.0)).frame(&scene).unwrap();
+    let rig = framed.rig(6.0).unwrap();
+    let [right, up, _] = framed.pose.columns;
+    let view = rig.pinhole(0, 0, framed.pose.columns, framed.pose.translation).unwrap();
+    let square = |ours: &Array3<f32>| {
+        let pixel = |row: usize, column: usize, c: usize| {
+            let at = |k: usize| ours[[FINER * row + k / FINER, FINER * column + k % FINER, c]];
+            (0..FINER * FINER).map(at).sum::<f32>() / (FINER * FINER) as f32
+        };
+        let inside = || (10..rows - 10).flat_map(|row| (10..columns - 10).map(move |column| (row, column)));
+        let off = |(row, column)| {
+            (0..3).map(|c| f64::from(pixel(row, column, c) - theirs[[row, column, c]]).powi(2)).sum::<f64>()
+        };
+        inside().map(off).sum::<f64>() / (3 * inside().count()) as f64
+    };
+    // The cameras together, and in groups.
+    let counts = [8u32, 32, 128];
+    let empty = || SyntheticAperture::new(view, Kernel::CatmullRom);
+    let (mut sums, mut squares) = ([0; 3].map(|_| empty()), [0.0; 3]);
+    let mut state = 5;
+    for number in 1..=128u32 {
+        let place = loop {
+            let place = [0, 1].map(|_| 2.0 * random(&mut state) - 1.0);
+            if place[0].hypot(place[1]) < 1.0 {
+                break place.map(|x| x * RADIUS_M);
+            }
+        };
+        let mut pose = framed.pose;
+        pose.translation = [0, 1, 2].map(|k| pose.translation[k] + place[0] * right[k] + place[1] * up[k]);
+        let request = Request::new(rig).integrator(Integrator::Direct).samples(1).seed(number.into()).sky(SKY);
+        let renderer = Renderer::new(&scene, &pose, Backend::Auto, None).unwrap();
+        let rendered = renderer.render(&request.multiple_scattering(false), &()).expect("a render");
+        let camera = rig.pinhole(0, 0, pose.columns, pose.translation).unwrap();
+        let color = rendered.color.expect("an image");
+        for ((sum, squares), count) in sums.iter_mut().zip(&mut squares).zip(counts) {
+            sum.add(&camera, color.view(0, 0).unwrap(), 1.0, FocalPlane::new(FOCUS_M).unwrap()).unwrap();
+            if number % count == 0 {
+                *squares += square(&std::mem::replace(sum, empty()).image().unwrap()) * f64::from(count) / 128.0;
+            }
+        }
+    }
+    let errors = squares.map(f64::sqrt);
+    println!("{errors:?}");
+    for pair in errors.windows(2) {
+        assert!((0.35..0.7).contains(&(pair[1] / pair[0])), "{errors:?}");
+    }
+    assert!(errors[2] < 0.009, "{errors:?}");
 }
 
 /// Diffuse and textured objects, a mirror and a smooth glass ball under two punctual lights and a constant sky.

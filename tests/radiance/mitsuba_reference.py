@@ -1,6 +1,7 @@
 """Renders the scenes of this folder with Mitsuba 3: references, their noise, the speed of a grid of views, checks of the conventions.
 
     mitsuba_reference.py SCENE.glb --out REFERENCE.pfm --depth 9 --spp 4096 --passes 8     central view, and its noise from two halves
+    mitsuba_reference.py SCENE.glb --out LENS.pfm --lens 0.03 --depth 2 ..                 through a thin lens of this radius, m
     mitsuba_reference.py SCENE.glb --views 400 --spp 16 --repeat 3 --depth 9               prints Msamples/s at 79 x 53
     mitsuba_reference.py --check                                                           conventions against closed forms
 
@@ -167,14 +168,17 @@ def camera(glb):
     return np.array(node["translation"]), rotation(node["rotation"]), math.tan(lens["yfov"] / 2) * lens["aspectRatio"]
 
 
-def sensor(pose, width, height, offset=(0.0, 0.0)):
-    """A view of the off-axis rig, `offset` meters to the right and up of the center."""
+def sensor(pose, width, height, offset=(0.0, 0.0), lens_m=0.0):
+    """A view of the off-axis rig, `offset` meters to the right and up of the center; or a lens in focus where the views are."""
     position, axes, tangent = pose
     origin = (position + axes @ [*offset, 0]) * UNITS
     shift = 1 / (2 * tangent * FOCUS_M)
-    return {
-        "type": "perspective", "fov": 2 * math.degrees(math.atan(tangent)), "fov_axis": "x", "near_clip": 0.01,
-        "principal_point_offset_x": -offset[0] * shift, "principal_point_offset_y": offset[1] * shift * width / height,
+    kind = {"type": "thinlens", "aperture_radius": lens_m * UNITS, "focus_distance": FOCUS_M * UNITS}
+    if lens_m == 0:
+        across, down = -offset[0] * shift, offset[1] * shift * width / height
+        kind = {"type": "perspective", "principal_point_offset_x": across, "principal_point_offset_y": down}
+    return kind | {
+        "fov": 2 * math.degrees(math.atan(tangent)), "fov_axis": "x", "near_clip": 0.01,
         "to_world": T().look_at(origin=origin.tolist(), target=(origin - axes[:, 2]).tolist(), up=axes[:, 1].tolist()),
         "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}, "pixel_format": "rgb", "component_format": "float32"},
     }
@@ -187,9 +191,9 @@ def describe(path, surround, depth, plugins="gltf"):
     return scene | shapes(glb, plugins) | punctual(glb) | {"surround": surround}, camera(glb)
 
 
-def render_central(scene, pose, spp, passes, seed, sampler="multijitter", width=99, height=66):
+def render_central(scene, pose, spp, passes, seed, sampler="multijitter", lens_m=0.0, width=99, height=66):
     """The mean of `passes` renders, in double precision, and of its two halves."""
-    loaded = mi.load_dict(scene | {"sensor": sensor(pose, width, height) | {"sampler": {"type": sampler, "sample_count": spp}}})
+    loaded = mi.load_dict(scene | {"sensor": sensor(pose, width, height, lens_m=lens_m) | {"sampler": {"type": sampler, "sample_count": spp}}})
     halves = np.zeros((2, height, width, 3))
     for k in range(passes):
         halves[k % 2] += np.array(mi.render(loaded, spp=spp, seed=seed + k), np.float64)
@@ -314,6 +318,7 @@ def main():
     parser.add_argument("--passes", type=int, default=2, help="renders that are averaged; an even number")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--sampler", choices=["multijitter", "independent"], default="multijitter", help="for the central view")
+    parser.add_argument("--lens", type=float, default=0.0, help="radius of a thin lens, m; 0: a pinhole")
     parser.add_argument("--out")
     parser.add_argument("--views", type=int, help="a square number: measure the speed")
     parser.add_argument("--repeat", type=int, default=3)
@@ -337,7 +342,7 @@ def main():
               f"Msamples/s={samples / min(times):.3f} Msamples/processor-second={samples / min(processor):.3f}")
         return
     start = time.time()
-    image, halves = render_central(scene, pose, a.spp, a.passes, a.seed, a.sampler)
+    image, halves = render_central(scene, pose, a.spp, a.passes, a.seed, a.sampler, a.lens)
     seconds = time.time() - start
     difference = (halves[0] - halves[1]) / 2
     noise = math.sqrt(np.mean(difference**2))

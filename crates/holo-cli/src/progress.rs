@@ -2,8 +2,8 @@
 
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
 
 use holo_render::{Progress, Tenths};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -37,6 +37,20 @@ pub struct Bar {
 struct Advice {
     text: &'static str,
     is_said: AtomicBool,
+    /// When the first part was done, and how much: what was prepared before tells nothing about what is left.
+    first: OnceLock<(Instant, u64)>,
+}
+
+impl Advice {
+    /// How long the rest will take, once the speed so far tells; `now`: when so much was done.
+    fn left(&self, now: Instant, done: u64, total: u64) -> Option<Duration> {
+        let (begun, first) = *self.first.get_or_init(|| (now, done));
+        let elapsed = now.saturating_duration_since(begun);
+        if elapsed < BEGINNING || done <= first {
+            return None;
+        }
+        Some(elapsed.mul_f64(total.saturating_sub(done) as f64 / (done - first) as f64))
+    }
 }
 
 /// From here on the speed so far tells how long a render will take.
@@ -58,17 +72,14 @@ impl Bar {
 
     /// Says `text` once if the render turns out to be long.
     pub fn advise(&mut self, text: &'static str) {
-        self.advice = Some(Advice { text, is_said: AtomicBool::new(self.bar.is_hidden() && self.lines.is_none()) });
+        let is_said = AtomicBool::new(self.bar.is_hidden() && self.lines.is_none());
+        self.advice = Some(Advice { text, is_said, first: OnceLock::new() });
     }
 
     /// Says the advice, if it is time.
     fn give_advice(&self, done: u64, total: u64) {
         let Some(advice) = &self.advice else { return };
-        let elapsed = self.bar.elapsed();
-        if elapsed < BEGINNING || done == 0 {
-            return;
-        }
-        let left = elapsed.mul_f64((total as f64 / done as f64 - 1.0).max(0.0));
+        let Some(left) = advice.left(Instant::now(), done, total) else { return };
         if left > LONG && !advice.is_said.swap(true, Ordering::Relaxed) {
             let minutes = (left.as_secs_f64() / 60.0).round().max(1.0);
             self.bar.suspend(|| say!("note: about {minutes:.0} min are left; {}", advice.text));
@@ -155,5 +166,22 @@ impl Progress for Overall {
 
     fn cancelled(&self) -> bool {
         interrupt::requested()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is left follows from the speed since the first part, not from the time that the render was prepared in.
+    #[test]
+    fn preparation_says_nothing_about_what_is_left() {
+        let advice = Advice { text: "", is_said: AtomicBool::new(false), first: OnceLock::new() };
+        let start = Instant::now();
+        let at = |seconds: u64, done: u64| advice.left(start + Duration::from_secs(seconds), done, 1000);
+        assert_eq!(at(100, 10), None);
+        assert_eq!(at(101, 60), None);
+        assert_eq!(at(104, 210), Some(Duration::from_secs_f64(4.0 * 790.0 / 200.0)));
+        assert_eq!(at(120, 1000), Some(Duration::ZERO));
     }
 }

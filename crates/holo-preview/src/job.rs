@@ -2,7 +2,8 @@
 
 use holo_dataset::settings::{Given, Group, Setting, spelled};
 use holo_dataset::{Frames, RenderJob, RenderSettings, SceneSource, Sky, adjusted_camera};
-use holo_io::CameraFile;
+use holo_io::{ArrayCamera, CameraFile};
+use serde_json::{Value, json};
 
 use crate::Preview;
 use crate::protocol::Look;
@@ -27,6 +28,23 @@ pub(crate) fn first_look(preview: &Preview) -> Look {
         settings: preview.given.iter().map(|(key, text)| (key.to_owned(), text.to_owned())).collect(),
         ..Look::default()
     }
+}
+
+/// A pose that a page may look from: its name, and the settings that stand for it.
+pub(crate) fn offered(pose: &ArrayCamera) -> Value {
+    let [_, up, back, eye] = pose.axes_and_position;
+    let target = [0, 1, 2].map(|k| eye[k] - back[k]);
+    let text = |point: [f64; 3]| point.map(|x| x.to_string()).join(",");
+    let fov_deg = pose.size.map(|size| 2.0 * (size.columns as f64 / (2.0 * pose.focal_px)).atan().to_degrees());
+    json!({
+        "name": holo_core::visible(&pose.name),
+        "settings": {
+            "eye": text(eye),
+            "target": text(target),
+            "up": text(up),
+            "fov-deg": fov_deg.map(|angle| angle.to_string()),
+        },
+    })
 }
 
 /// The scene of a look, and a key that differs for other scenes.
@@ -142,6 +160,35 @@ impl From<holo_dataset::Error> for Ended {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use holo_core::GridSize;
+    use holo_scene::Transform;
+
+    /// The settings of a pose place the camera as `transforms` does.
+    #[test]
+    fn a_look_from_a_pose_stands_where_the_pose_does() {
+        let (sin, cos) = 0.4f64.sin_cos();
+        let axes_and_position = [[0.0, -1.0, 0.0], [cos, 0.0, -sin], [sin, 0.0, cos], [0.25, -1e6, 2.0 / 3.0]];
+        let size = Some(GridSize::new(300, 400));
+        let pose = ArrayCamera { axes_and_position, focal_px: 200.0, size, ..ArrayCamera::default() };
+        let offer = offered(&pose);
+        let settings = offer["settings"].as_object().expect("settings");
+        let pairs: Vec<_> = settings.iter().map(|(key, text)| (key.as_str(), text.as_str().expect("text"))).collect();
+        let source = SceneSource::gallery("plaster").unwrap();
+        let job = of(&look(&pairs), source, &Preview::new()).unwrap();
+        assert_eq!(job.settings.scene.fov_deg, Some(90.0));
+        let point = |key: &str| -> [f64; 3] {
+            let text = settings[key].as_str().expect("text");
+            let numbers: Vec<f64> = text.split(',').map(|x| x.parse().expect("a number")).collect();
+            numbers.try_into().expect("three numbers")
+        };
+        let made = Transform::look_at(point("eye"), point("target"), point("up"));
+        for (made, expected) in made.columns.iter().flatten().zip(axes_and_position[..3].iter().flatten()) {
+            assert!((made - expected).abs() < 1e-9, "{offer}");
+        }
+        assert_eq!(made.translation, axes_and_position[3]);
+        let unknown = offered(&ArrayCamera { size: None, ..pose });
+        assert!(unknown["settings"]["fov-deg"].is_null());
+    }
 
     fn look(pairs: &[(&str, &str)]) -> Look {
         let settings = pairs.iter().map(|(key, text)| ((*key).to_owned(), (*text).to_owned())).collect();

@@ -37,7 +37,7 @@ use std::path::PathBuf;
 
 use holo_dataset::settings::Given;
 use holo_dataset::{EngineSettings, Rollback, SceneSource};
-use holo_io::CameraFile;
+use holo_io::{CameraArray, CameraFile};
 
 pub use server::Server;
 
@@ -69,6 +69,8 @@ pub struct Preview {
     pub scene: Option<SceneSource>,
     /// The plenoptic camera that the page begins with; `None`: a rig.
     pub camera: Option<CameraFile>,
+    /// Poses that the page offers to look from.
+    pub poses: Option<CameraArray>,
     /// The settings that the page begins with. A sky that is a file is possible only here.
     pub given: Given,
     /// The folder that renders of the page are put into, each in a new folder of its own; `None`: the page cannot render.
@@ -86,6 +88,7 @@ impl Default for Preview {
         Self {
             scene: None,
             camera: None,
+            poses: None,
             given: Given::default(),
             out: None,
             rollback: Rollback::default(),
@@ -112,6 +115,13 @@ impl Preview {
     #[must_use]
     pub fn camera(self, camera: impl Into<Option<CameraFile>>) -> Self {
         Self { camera: camera.into(), ..self }
+    }
+
+    /// Sets the poses that the page offers. It stands where they do, with their angles of view where it shows a rig; their gains
+    /// and times do not show.
+    #[must_use]
+    pub fn poses(self, poses: impl Into<Option<CameraArray>>) -> Self {
+        Self { poses: poses.into(), ..self }
     }
 
     /// Sets the settings that the page begins with.

@@ -80,7 +80,7 @@ impl<'a> Studio<'a> {
 
     /// What a page has to know before it shows anything.
     fn hello(&self) -> serde_json::Value {
-        let Preview { scene, camera, given, out, .. } = self.preview;
+        let Preview { scene, camera, poses, given, out, .. } = self.preview;
         let scenes: Vec<_> = gallery::all_names()
             .map(|name| json!({"name": name, "purpose": gallery::purpose(name).unwrap_or_default()}))
             .collect();
@@ -98,6 +98,7 @@ impl<'a> Studio<'a> {
             "renders": out.is_some(),
             "gallery": scenes,
             "cameras": cameras,
+            "poses": poses.iter().flat_map(|poses| &poses.cameras).map(job::offered).collect::<Vec<_>>(),
         })
     }
 

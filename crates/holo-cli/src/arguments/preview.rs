@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use holo_dataset::settings::Preset;
+use holo_io::WorldUp;
 
+use super::choices::{WORLD_UPS, choice};
 use super::{EngineOptions, OfPreview, Settings, preset};
 
 #[derive(Args, Clone, Debug)]
@@ -30,6 +32,12 @@ pub struct PreviewOptions {
     /// Plenoptic camera instead of a rig of views: a camera file (TOML), or a preset of `holo camera`.
     #[arg(long, value_name = "FILE|PRESET")]
     pub camera_file: Option<String>,
+    /// Poses to look from (transforms.json): the page has a list of them.
+    #[arg(long, value_name = "FILE")]
+    pub transforms: Option<PathBuf>,
+    /// The axis that points up in the world of --transforms: z in files of Blender and nerfstudio, y in glTF.
+    #[arg(long, value_name = "z|y", default_value = "z", requires = "transforms", value_parser = choice(WORLD_UPS))]
+    pub transforms_up: WorldUp,
     #[command(flatten)]
     pub settings: Settings<OfPreview>,
     #[command(flatten)]

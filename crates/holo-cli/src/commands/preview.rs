@@ -1,9 +1,11 @@
 //! `holo preview`: a scene live in a browser.
 
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use holo_dataset::SceneSource;
+use holo_io::CameraArray;
 use holo_preview::Preview;
 
 use crate::arguments::{PreviewOptions, open_camera};
@@ -22,9 +24,12 @@ pub fn run(options: &PreviewOptions) -> Result<(), Failure> {
         given = given.over(preset.given());
     }
     let camera = options.camera_file.as_deref().map(open_camera).transpose()?;
+    let read = |path: &Path| CameraArray::read(path, options.transforms_up, None);
+    let poses = options.transforms.as_deref().map(read).transpose()?;
     let preview = Preview::new()
         .scene(options.scene.as_ref().map(SceneSource::file))
         .camera(camera)
+        .poses(poses)
         .given(given)
         .out(std::path::absolute(&options.out).unwrap_or_else(|_| options.out.clone()))
         .rollback(interrupt::rollback())

@@ -1,8 +1,8 @@
 //! Light fields at poses: correspondences, and their views as cameras.
 
 use crate::camera_array::{boxes, deviation, image, numbers, ok};
-use crate::common::Bench;
-use holo_io::{Limits, read_pfm_gray};
+use crate::common::{Bench, CAMERA};
+use holo_io::{ArrayCamera, ArrayFolder, CameraArray, Limits, WorldUp, read_pfm_gray};
 use serde_json::Value;
 
 /// An array of float64 in a file of numpy, with its shape.
@@ -131,4 +131,44 @@ fn views_of_rigs_are_cameras() {
         assert!(outcome.code != Some(0) && outcome.stderr.contains(part), "{line}: {outcome:?}");
     }
     assert!(bench.run("info rigs").stdout.contains("3 cameras or light fields at poses"));
+}
+
+/// Raw images at poses, decoded: their central views are what pinholes see that stand there; those of another pose are not.
+#[test]
+fn decoded_views_of_raw_images_stand_at_their_poses() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("boxes.glb"), holo_scene::gltf::to_glb(&boxes()).unwrap()).unwrap();
+    let camera =
+        CAMERA.replace("[60, 45]", "[720, 480]").replace("40.0", "4.0").replace("focus_m = 0.8", "focus_m = 2.6");
+    std::fs::write(bench.path("own.toml"), camera).unwrap();
+    ok(bench.run(
+        "array plane --count 3 --spacing-m 0.4 --radius-m 3 --target 0,0,0.5 --size 60x40 --fov-deg 50 --seed 4 --jitter-rotation-deg 4 \
+         --jitter-position-m 0.1 --out in.json",
+    ));
+    ok(bench.run("render boxes.glb --transforms in.json --camera-file own.toml --spp 16 --exposure 0 --out raws"));
+    let raws = ArrayFolder::open(bench.path("raws"), WorldUp::Z).unwrap();
+    let central = raws.central_cameras();
+    let pinholes = central.iter().map(|&k| {
+        let pinhole = raws.pinhole(k).unwrap();
+        let [x, y, z, _] = raws.cameras()[k].axes_and_position;
+        ArrayCamera {
+            name: format!("camera_{k}"),
+            axes_and_position: [x, y, z, pinhole.position_m()],
+            focal_px: pinhole.focal_px(),
+            size: Some(pinhole.size()),
+            ..ArrayCamera::default()
+        }
+    });
+    let pinholes = CameraArray { cameras: pinholes.collect() };
+    pinholes.write(bench.path("pinholes.json"), WorldUp::Z).unwrap();
+    ok(bench.run("render boxes.glb --transforms pinholes.json --spp 64 --exposure 0 --out seen"));
+    let seen = ArrayFolder::open(bench.path("seen"), WorldUp::Z).unwrap();
+    let read = |folder: &ArrayFolder, k: usize| folder.image(k, &Limits::default()).unwrap().mapv(f64::from);
+    for (k, &view) in central.iter().enumerate() {
+        let decoded = read(&raws, view);
+        let own = deviation(&decoded, &read(&seen, k), 2);
+        let other = deviation(&decoded, &read(&seen, (k + 1) % 3), 2);
+        println!("{own} {other}");
+        assert!(own < other / 3.0, "{own} {other}");
+    }
 }

@@ -52,7 +52,9 @@ fn the_address_is_printed_and_wrong_scenes_are_refused() {
 fn a_browser_uses_the_page() {
     let bench = Bench::new();
     std::fs::write(bench.path("garden.glb"), holo_scene::gallery::to_glb("garden").unwrap().unwrap()).unwrap();
-    let running = Running::new(&bench, "garden.glb --preset draft");
+    let placed = "array plane --count 2x1 --spacing-m 0.3 --radius-m 1.2 --size 96x64 --fov-deg 40 --seed 1 --jitter-rotation-deg 5";
+    assert_eq!(bench.run(&format!("{placed} --out poses.json")).code, Some(0));
+    let running = Running::new(&bench, "garden.glb --preset draft --transforms poses.json");
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/preview/check.py");
     let mut command = Command::new("python3");
     command.arg(script).arg(&running.address).arg(bench.path(SCENE));

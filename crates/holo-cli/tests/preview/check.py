@@ -169,6 +169,34 @@ def cameras(check):
     check.settle("the rig again")
 
 
+def poses(check):
+    """The camera stands where a pose of the program does, until it is moved."""
+    choose = "(() => {{ const s = document.querySelector('[data-key=pose] select'); s.value = '{}'; s.dispatchEvent(new Event('change')); }})()"
+    assert check.run("document.querySelectorAll('[data-key=pose] option').length") == 3
+    first = check.run("holoPreview.seen.view.eye")
+    check.run(choose.format(1))
+    check.settle("the second pose")
+    pose = check.run("holoPreview.seen.hello.poses[1]")["settings"]
+    numbers = {key: [float(x) for x in pose[key].split(",")] for key in ("eye", "target", "up")}
+    back = [e - t for e, t in zip(numbers["eye"], numbers["target"])]
+    view = check.run("holoPreview.seen.view")
+    for made, expected in ((view["eye"], numbers["eye"]), (view["back"], back), (view["up"], numbers["up"])):
+        assert all(abs(a - b) < 1e-6 for a, b in zip(made, expected)), (made, expected)
+    assert abs(view["fov_deg"] - 40) < 1e-6 and view["eye"] != first, view
+    assert "--eye" in check.run("document.getElementById('command').textContent")
+    check.shot("pose")
+    check.run("document.getElementById('image').focus()")
+    check.browser.press("ArrowLeft")
+    check.settle("moved away")
+    assert check.run("document.querySelector('[data-key=pose] select').value") == "" and check.setting("up") is None
+    check.run("document.getElementById('home').click()")
+    check.settle("home")
+    check.run(
+        "(() => { const s = document.querySelector('[data-setting=fov-deg]'); s.value = ''; s.dispatchEvent(new Event('change')); })()"
+    )
+    check.settle("the angle of the scene")
+
+
 def gallery(check):
     check.run("document.getElementById('gallery-button').click()")
     check.wait("document.querySelectorAll('#gallery img').length >= 15", "images of the gallery")
@@ -298,6 +326,7 @@ def main():
         focus(check)
         sliders(check)
         cameras(check)
+        poses(check)
         keyboard(check)
         reconnect(check)
         gallery(check)

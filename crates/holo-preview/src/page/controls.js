@@ -86,6 +86,10 @@ const cameraControls = () => {
   fields.camera.classList.add('whole');
   row('camera', 'camera', 'Camera', fields.camera);
 
+  fields.pose = choice([['', 'anywhere']]);
+  fields.pose.classList.add('whole');
+  row('camera', 'pose', 'Stands at', fields.pose).hidden = true;
+
   fields.views = field('views', '100');
   fields.views.classList.add('whole');
   row('camera', 'views', 'Views', fields.views);
@@ -156,6 +160,21 @@ const cameraControls = () => {
 
   fields.fov = field('fov-deg', 'scene');
   row('camera', 'fov-deg', 'Angle of view', slider('fov-deg', fields.fov, ...linear(5, 120, 1)), fields.fov);
+};
+
+// The poses that the program named. Who moves the camera leaves them.
+const fillPoses = (poses) => {
+  rows.pose.hidden = poses.length === 0;
+  poses.forEach(({ name }, number) => fields.pose.append(make('option', { value: number }, name)));
+  fields.pose.addEventListener('change', () => {
+    const pose = poses[fields.pose.value];
+    if (!pose) return leavePlace();
+    [place.eye, place.target] = [null, null];
+    for (const key of ['fit-object', 'camera']) delete state.settings[key];
+    for (const [key, text] of Object.entries(pose.settings)) if (text !== null) setSetting(key, text);
+    fields.fov.value = state.settings['fov-deg'] ?? '';
+    changed(false);
+  });
 };
 
 const lightControls = () => {

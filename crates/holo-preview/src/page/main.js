@@ -186,6 +186,7 @@ on('hello', (header) => {
     for (const { name, description } of header.cameras) fields.camera.append(make('option', { value: name }, description));
     if (header.camera) fields.camera.append(make('option', { value: 'own' }, header.camera));
     state.camera = fields.camera.value = header.camera ? 'own' : '';
+    fillPoses(header.poses);
     takeSettings(header.given);
     fillGallery(header.gallery);
     if (!header.scene) {

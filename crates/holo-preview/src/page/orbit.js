@@ -31,8 +31,8 @@ const takePlace = () => {
 const usePlace = () => {
   setSetting('eye', pointText(place.eye));
   setSetting('target', pointText(place.target));
-  delete state.settings['fit-object'];
-  delete state.settings.camera;
+  for (const key of ['fit-object', 'camera', 'up']) delete state.settings[key];
+  fields.pose.value = '';
   changed(true);
 };
 
@@ -40,6 +40,7 @@ const leavePlace = () => {
   place.eye = null;
   place.target = null;
   for (const key of ['eye', 'target', 'up', 'fit-object']) delete state.settings[key];
+  fields.pose.value = '';
   changed(false);
 };
 
