@@ -18,7 +18,15 @@ pub fn run(options: &CorrespondOptions) -> Result<(), Failure> {
     let from = files::camera_named(&array, "--from", &options.from)?;
     if let Some(to) = &options.to {
         let to = files::camera_named(&array, "--to", to)?;
-        return write(&options.out, &correspondences(&array, from, to)?, &array.cameras()[to].name);
+        let (found, name) = (correspondences(&array, from, to)?, &array.cameras()[to].name);
+        if !found.iter().any(|one| one.is_visible) {
+            let (to, count) = (holo_core::visible(name), found.len());
+            return Err(Failure::Usage(format!(
+                "camera {to} sees none of the {count} pixels of {}; nothing is written",
+                options.from
+            )));
+        }
+        return write(&options.out, &found, name);
     }
     for to in array.central_cameras().into_iter().filter(|&to| to != from) {
         let found = correspondences(&array, from, to)?;

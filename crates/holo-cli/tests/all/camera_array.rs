@@ -362,6 +362,40 @@ fn arrays_refuse_what_they_cannot_do() {
     assert!(!bench.list("").iter().any(|name| name.starts_with("x.")), "nothing was written");
 }
 
+/// Cameras that see nothing in common are refused, with numbers.
+#[test]
+fn cameras_that_look_away_from_each_other_are_refused() {
+    let bench = Bench::new();
+    ok(bench.run("array plane --count 2x1 --size 12x8 --out in.json"));
+    let mut file: Value = serde_json::from_str(&std::fs::read_to_string(bench.path("in.json")).unwrap()).unwrap();
+    for row in file["frames"][1]["transform_matrix"].as_array_mut().unwrap().iter_mut().take(3) {
+        for column in [0, 2] {
+            row[column] = (-row[column].as_f64().unwrap()).into();
+        }
+    }
+    std::fs::write(bench.path("in.json"), file.to_string()).unwrap();
+    ok(bench.run("render tiny.glb --out array --transforms in.json --spp 1 --layers depth"));
+    for (arguments, part) in [
+        ("refocus array --distance-m 1 --out x.png", "2 cameras within the aperture have nothing in common: 1 of them"),
+        (
+            "correspond array --from camera_0000 --to camera_0001 --out x.npy",
+            "camera_0001 sees none of the 96 pixels of camera_0000",
+        ),
+        (
+            "depth array --depths-m 0.5,4 --out x.pfm",
+            "the 1 other cameras in its plane see nothing of what camera 'camera_0000' does",
+        ),
+        (
+            "synthesize array --eye 0,50,0 --target 0,99,0 --up 0,0,1 --out x.png",
+            "2 cameras that are nearest to the view",
+        ),
+    ] {
+        let outcome = bench.run(arguments);
+        assert!(outcome.code == Some(2) && outcome.stderr.contains(part), "{arguments}: {outcome:?}");
+    }
+    assert!(!bench.list("").iter().any(|name| name.starts_with("x.")), "nothing was written");
+}
+
 /// Cameras of a real array: the file says how each deviates, and images follow it.
 #[test]
 fn deviations_are_in_the_file_and_in_the_images() {

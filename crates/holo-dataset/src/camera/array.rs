@@ -2,8 +2,8 @@
 
 use holo_core::refocus::{ApertureShape, FocalPlane, FocalSurface, Kernel, SyntheticAperture};
 use holo_core::{
-    Correspondence, Effort, OffsetView, Pinhole, PlaneSweepOptions, PosedView, SynthesizedImage, ViewSynthesis,
-    evenly_chosen_views, plane_sweep_of_views,
+    Correspondence, Effort, GridSize, OffsetView, Pinhole, PlaneSweepOptions, PosedView, SynthesizedImage,
+    ViewSynthesis, evenly_chosen_views, plane_sweep_of_views,
 };
 use holo_io::{ArrayFolder, Limits};
 use holo_scene::Transform;
@@ -76,7 +76,8 @@ fn pinholes(array: &ArrayFolder) -> Result<Vec<Pinhole>, Error> {
 ///
 /// # Errors
 ///
-/// [`Error::BadRequest`] if no camera lies within the aperture; those of [`SyntheticAperture`] and of reading images.
+/// [`Error::BadRequest`] if no camera lies within the aperture, or of several at most one sees anything of the surface; those of
+/// [`SyntheticAperture`] and of reading images.
 pub fn synthetic_aperture(
     array: &ArrayFolder,
     view: Pinhole,
@@ -85,7 +86,7 @@ pub fn synthetic_aperture(
     surface: FocalSurface<'_>,
 ) -> Result<Array3<f32>, Error> {
     let mut sum = SyntheticAperture::new(view, kernel);
-    let mut is_empty = true;
+    let (mut within, mut seeing) = (0, 0);
     for (k, camera) in pinholes(array)?.iter().enumerate() {
         let away: [f64; 3] = std::array::from_fn(|axis| camera.position_m()[axis] - view.position_m()[axis]);
         let along = |axis: [f64; 3]| (0..3).map(|k| axis[k] * away[k]).sum::<f64>();
@@ -94,13 +95,41 @@ pub fn synthetic_aperture(
         if weight > 0.0 {
             let image = array.image(k, &Limits::default())?;
             sum.add(camera, image.view(), weight, surface)?;
-            is_empty = false;
+            within += 1;
+            seeing += usize::from(sees(camera, &image, &view, surface)?);
         }
     }
-    if is_empty {
+    if within == 0 {
         return Err(Error::BadRequest("no camera lies within the aperture around the view; make it wider".into()));
     }
+    if seeing == 0 || seeing == 1 && within > 1 {
+        return Err(Error::BadRequest(format!(
+            "the {within} cameras within the aperture have nothing in common: {seeing} of them see the surface in the view; give \
+             another surface, or a view that they look at"
+        )));
+    }
     Ok(sum.image()?)
+}
+
+/// Whether a camera sees anything of a surface before a view, at up to 16 x 16 places of it.
+fn sees(camera: &Pinhole, image: &Array3<f32>, view: &Pinhole, surface: FocalSurface<'_>) -> Result<bool, Error> {
+    let size = view.size();
+    let step = size.larger().div_ceil(16);
+    let coarse = GridSize::new(size.rows.div_ceil(step), size.columns.div_ceil(step));
+    let middle = view.principal_point().map(|at| (at + 0.5) / step as f64 - 0.5);
+    let few = Pinhole::new(view.axes(), view.position_m(), view.focal_px() / step as f64, coarse)?;
+    let mut sum = SyntheticAperture::new(few.with_principal_point(middle)?, Kernel::Bilinear);
+    match surface {
+        FocalSurface::Plane(plane) => sum.add(camera, image.view(), 1.0, plane)?,
+        FocalSurface::Depth(depth_m) => {
+            let at = |k: usize, count: usize| (step * k + step / 2).min(count - 1);
+            let few = Array2::from_shape_fn((coarse.rows, coarse.columns), |(row, column)| {
+                depth_m[[at(row, size.rows), at(column, size.columns)]]
+            });
+            sum.add(camera, image.view(), 1.0, few.view())?;
+        }
+    }
+    Ok(sum.image()?.iter().any(|light| light.is_finite()))
 }
 
 /// Returns the view of a camera anywhere, from the images and the depths of the cameras of an array nearest to it. Only those are
@@ -108,7 +137,8 @@ pub fn synthetic_aperture(
 ///
 /// # Errors
 ///
-/// [`Error::BadRequest`] if a camera has no depth; those of [`ViewSynthesis::at_camera`] and of reading images.
+/// [`Error::BadRequest`] if a camera has no depth, or none shows anything of the view; those of [`ViewSynthesis::at_camera`] and of
+/// reading images.
 pub fn synthesize_from_array(array: &ArrayFolder, view: &Pinhole, kernel: Kernel) -> Result<SynthesizedImage, Error> {
     let cameras = pinholes(array)?;
     let limits = Limits::default();
@@ -121,7 +151,15 @@ pub fn synthesize_from_array(array: &ArrayFolder, view: &Pinhole, kernel: Kernel
         .iter()
         .map(|(camera, image, depth_m)| PosedView { camera: *camera, image: image.view(), depth_m: depth_m.view() })
         .collect();
-    Ok(ViewSynthesis::default().kernel(kernel).at_camera(&posed, view)?)
+    let made = ViewSynthesis::default().kernel(kernel).at_camera(&posed, view)?;
+    if made.holes.iter().all(|&is_hole| is_hole) {
+        return Err(Error::BadRequest(format!(
+            "the {} cameras that are nearest to the view show none of its {} pixels; move it, or turn it to what they look at",
+            posed.len(),
+            made.holes.len()
+        )));
+    }
+    Ok(made)
 }
 
 /// Returns where camera `to` of an array sees the points of the pixels of camera `from`, both counted from 0.
@@ -174,8 +212,8 @@ pub struct ArrayDepth {
 ///
 /// # Errors
 ///
-/// [`Error::BadRequest`] if the range is empty, or no other camera stands in the plane; those of [`plane_sweep_of_views`] and of
-/// reading images.
+/// [`Error::BadRequest`] if the range is empty, or no other camera stands in the plane and looks to the same side; those of
+/// [`plane_sweep_of_views`] and of reading images.
 pub fn estimate_depth(
     array: &ArrayFolder,
     k: usize,
@@ -188,46 +226,25 @@ pub fn estimate_depth(
         )));
     }
     let view = array.pinhole(k)?;
-    let [right, up, back] = view.axes();
-    let mut others = Vec::new();
-    let (mut least_px, corner_px) = (f64::INFINITY, view.size().rows.max(view.size().columns) as f64 / 2.0);
-    for (index, camera) in pinholes(array)?.into_iter().enumerate() {
-        let away: [f64; 3] = std::array::from_fn(|axis| camera.position_m()[axis] - view.position_m()[axis]);
-        let along = |axis: [f64; 3]| (0..3).map(|k| axis[k] * away[k]).sum::<f64>();
-        let sideways_m = along(right).hypot(along(up));
-        if index == k || sideways_m == 0.0 {
-            continue;
-        }
-        let moved_px = along(back).abs() / near_m * corner_px;
-        least_px = least_px.min(moved_px);
-        if moved_px <= OUT_OF_PLANE_PX {
-            others.push((index, camera, [-along(up), along(right)], sideways_m));
-        }
-    }
-    let name = holo_core::visible(&array.cameras()[k].name);
-    let Some(widest_m) = others.iter().map(|&(.., sideways_m)| sideways_m).reduce(f64::max) else {
-        return Err(Error::BadRequest(format!(
-            "no other camera stands in the plane of camera '{name}': the nearest to it moves the corners of the image by {least_px:.1} px \
-             at {near_m} m, and {OUT_OF_PLANE_PX} are allowed"
-        )));
-    };
+    let others = others_in_plane(array, k, &view, near_m)?;
+    let widest_m = others.iter().map(|other| other.sideways_m).fold(0.0, f64::max);
     // Of many only those that the estimate takes are read.
-    let places: Vec<[f64; 2]> = others.iter().map(|&(_, _, place, _)| place).collect();
-    let others: Vec<_> = evenly_chosen_views(&places, effort).into_iter().map(|k| others[k]).collect();
+    let places: Vec<[f64; 2]> = others.iter().map(|other| other.place_m).collect();
+    let others: Vec<_> = evenly_chosen_views(&places, effort).into_iter().map(|k| &others[k]).collect();
     // Disparities and confidences are those of a grid of 9 x 9 cameras as wide.
     let base_m = widest_m / 4.0;
     let limits = Limits::default();
     let central = array.image(k, &limits)?;
     let mut images = Vec::new();
-    for (index, camera, ..) in &others {
-        images.push(turned(array.image(*index, &limits)?, camera, &view)?);
+    for other in &others {
+        images.push(turned(array.image(other.index, &limits)?, &other.camera, &view)?);
     }
     let placed: Vec<OffsetView<'_, f32>> = others
         .iter()
         .zip(&images)
-        .map(|((.., [down_m, right_m], _), image)| OffsetView {
-            down: down_m / base_m,
-            right: right_m / base_m,
+        .map(|(other, image)| OffsetView {
+            down: other.place_m[0] / base_m,
+            right: other.place_m[1] / base_m,
             image: image.view(),
         })
         .collect();
@@ -237,6 +254,66 @@ pub fn estimate_depth(
     let estimate = plane_sweep_of_views(central.view(), &placed, &options)?;
     let depth_m = estimate.disparity_px.mapv_into(|disparity_px| (scale / f64::from(disparity_px)) as f32);
     Ok(ArrayDepth { depth_m, confidence: estimate.confidence, others: others.len() })
+}
+
+/// A camera beside another one.
+struct Other {
+    index: usize,
+    camera: Pinhole,
+    /// Where it stands in the plane of the image, down and to the right, m.
+    place_m: [f64; 2],
+    /// How far away that is, m.
+    sideways_m: f64,
+}
+
+/// The cameras that stand in a plane with the view of camera `k` and look to the same side: at least one.
+fn others_in_plane(array: &ArrayFolder, k: usize, view: &Pinhole, near_m: f64) -> Result<Vec<Other>, Error> {
+    let [right, up, back] = view.axes();
+    let (mut others, mut turned_away) = (Vec::new(), 0);
+    let (mut least_px, corner_px) = (f64::INFINITY, view.size().larger() as f64 / 2.0);
+    for (index, camera) in pinholes(array)?.into_iter().enumerate() {
+        let away: [f64; 3] = std::array::from_fn(|axis| camera.position_m()[axis] - view.position_m()[axis]);
+        let along = |axis: [f64; 3]| (0..3).map(|k| axis[k] * away[k]).sum::<f64>();
+        let place_m = [-along(up), along(right)];
+        let sideways_m = place_m[0].hypot(place_m[1]);
+        if index == k || sideways_m == 0.0 {
+            continue;
+        }
+        let moved_px = along(back).abs() / near_m * corner_px;
+        least_px = least_px.min(moved_px);
+        match moved_px <= OUT_OF_PLANE_PX {
+            true if looks_away(&camera, view) => turned_away += 1,
+            true => others.push(Other { index, camera, place_m, sideways_m }),
+            false => {}
+        }
+    }
+    if !others.is_empty() {
+        return Ok(others);
+    }
+    let name = holo_core::visible(&array.cameras()[k].name);
+    Err(Error::BadRequest(if turned_away > 0 {
+        format!("the {turned_away} other cameras in its plane see nothing of what camera '{name}' does: they look away")
+    } else {
+        format!(
+            "no other camera stands in the plane of camera '{name}': the nearest to it moves the corners of the image by {least_px:.1} px \
+             at {near_m} m, and {OUT_OF_PLANE_PX} are allowed"
+        )
+    }))
+}
+
+/// Whether a camera sees none of the directions that a view looks at.
+fn looks_away(camera: &Pinhole, view: &Pinhole) -> bool {
+    const PLACES: usize = 16;
+    let size = view.size();
+    let place = |k: usize, count: usize| (k as f64 + 0.5) * count as f64 / PLACES as f64 - 0.5;
+    let is_seen = |k: usize| {
+        let direction = view.direction([place(k / PLACES, size.rows), place(k % PLACES, size.columns)]);
+        let far: [f64; 3] = std::array::from_fn(|axis| camera.position_m()[axis] + direction[axis]);
+        let inside = |at: f64, count: usize| (-0.5..count as f64 - 0.5).contains(&at);
+        let GridSize { rows, columns } = camera.size();
+        camera.place_of(far).is_some_and(|([row, column], _)| inside(row, rows) && inside(column, columns))
+    };
+    !(0..PLACES * PLACES).any(is_seen)
 }
 
 /// The image of a camera as one at its place sees it that looks as another one does.
