@@ -22,7 +22,7 @@ pub fn run(options: &CorrespondOptions) -> Result<(), Failure> {
         if !found.iter().any(|one| one.is_visible) {
             let (to, count) = (holo_core::visible(name), found.len());
             return Err(Failure::Usage(format!(
-                "camera {to} sees none of the {count} pixels of {}; nothing is written",
+                "camera {to} sees none of the {count} pixels of {}; choose cameras that see the same points",
                 options.from
             )));
         }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use holo_dataset::SceneSource;
-use holo_io::CameraArray;
+use holo_io::{CameraArray, WorldUp};
 use holo_preview::Preview;
 
 use crate::arguments::{PreviewOptions, open_camera};
@@ -24,8 +24,7 @@ pub fn run(options: &PreviewOptions) -> Result<(), Failure> {
         given = given.over(preset.given());
     }
     let camera = options.camera_file.as_deref().map(open_camera).transpose()?;
-    let read = |path: &Path| CameraArray::read(path, options.transforms_up, None);
-    let poses = options.transforms.as_deref().map(read).transpose()?;
+    let poses = options.transforms.as_deref().map(|path| read_poses(path, options.transforms_up)).transpose()?;
     let preview = Preview::new()
         .scene(options.scene.as_ref().map(SceneSource::file))
         .camera(camera)
@@ -58,4 +57,18 @@ pub fn run(options: &PreviewOptions) -> Result<(), Failure> {
         served
     })
     .map_err(|why| Failure::Failed(why.to_string()))
+}
+
+/// The poses of a file. Its axes may be rounded, but neither scaled nor mirrored.
+fn read_poses(path: &Path, up: WorldUp) -> Result<CameraArray, Failure> {
+    let mut poses = CameraArray::read(path, up, None)?;
+    for camera in &mut poses.cameras {
+        let [x, y, z, position_m] = camera.axes_and_position;
+        let [x, y, z] = holo_core::rotation_near([x, y, z]).map_err(|why| {
+            let (path, name) = (path.display(), holo_core::visible(&camera.name));
+            Failure::Failed(format!("{path}: camera '{name}': {why}"))
+        })?;
+        camera.axes_and_position = [x, y, z, position_m];
+    }
+    Ok(poses)
 }

@@ -43,6 +43,12 @@ fn the_address_is_printed_and_wrong_scenes_are_refused() {
         let refused = bench.run(&format!("preview {arguments} --no-open"));
         assert!(refused.code == Some(1) && refused.stderr.contains(words), "{refused:?}");
     }
+    // A mirrored pose is none.
+    let mirrored = r#"{"fl_x": 30, "frames": [{"file_path": "a.png",
+        "transform_matrix": [[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}]}"#;
+    std::fs::write(bench.path("mirrored.json"), mirrored).unwrap();
+    let refused = bench.run(&format!("preview {SCENE} --no-open --transforms mirrored.json"));
+    assert!(refused.code == Some(1) && refused.stderr.contains("mirrored.json: camera 'a'"), "{refused:?}");
     // Nothing is written before a render.
     assert!(!bench.path("holo-preview").exists());
 }

@@ -212,8 +212,8 @@ pub struct ArrayDepth {
 ///
 /// # Errors
 ///
-/// [`Error::BadRequest`] if the range is empty, or no other camera stands in the plane and looks to the same side; those of
-/// [`plane_sweep_of_views`] and of reading images.
+/// [`Error::BadRequest`] if the range is empty, if all other cameras stand out of the plane, or if those in the plane look away; the
+/// errors of [`plane_sweep_of_views`] and of reading images.
 pub fn estimate_depth(
     array: &ArrayFolder,
     k: usize,
@@ -260,9 +260,9 @@ pub fn estimate_depth(
 struct Other {
     index: usize,
     camera: Pinhole,
-    /// Where it stands in the plane of the image, down and to the right, m.
+    /// Its offset from the view: down and to the right in the image, m.
     place_m: [f64; 2],
-    /// How far away that is, m.
+    /// The length of the offset, m.
     sideways_m: f64,
 }
 
@@ -292,11 +292,13 @@ fn others_in_plane(array: &ArrayFolder, k: usize, view: &Pinhole, near_m: f64) -
     }
     let name = holo_core::visible(&array.cameras()[k].name);
     Err(Error::BadRequest(if turned_away > 0 {
-        format!("the {turned_away} other cameras in its plane see nothing of what camera '{name}' does: they look away")
+        format!(
+            "the {turned_away} other cameras in its plane see nothing of what camera '{name}' does: they look away; choose another camera"
+        )
     } else {
         format!(
-            "no other camera stands in the plane of camera '{name}': the nearest to it moves the corners of the image by {least_px:.1} px \
-             at {near_m} m, and {OUT_OF_PLANE_PX} are allowed"
+            "no other camera stands in the plane of camera '{name}': the one nearest to the plane shifts the corners of the image by \
+             {least_px:.1} px at {near_m} m; up to {OUT_OF_PLANE_PX} px are allowed; choose another camera or a farther near depth"
         )
     }))
 }

@@ -31,7 +31,10 @@ const takePlace = () => {
 const usePlace = () => {
   setSetting('eye', pointText(place.eye));
   setSetting('target', pointText(place.target));
-  for (const key of ['fit-object', 'camera', 'up']) delete state.settings[key];
+  delete state.settings['fit-object'];
+  delete state.settings.camera;
+  // A pose has an upward direction of its own.
+  if (fields.pose.value !== '') setSetting('up', seen.hello.given.up ?? '');
   fields.pose.value = '';
   changed(true);
 };
