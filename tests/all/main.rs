@@ -23,3 +23,4 @@ mod radiance;
 mod raw_denoise;
 mod reuse;
 mod shadows;
+mod sharpness;

@@ -80,4 +80,5 @@ def main():
                     print("ray", name, nm, *[repr(float(x)) for x in row], sep=",")
 
 
-main()
+if __name__ == "__main__":
+    main()

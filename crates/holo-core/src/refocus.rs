@@ -27,7 +27,7 @@ mod synthetic_aperture;
 pub use aperture::{Aperture, ApertureShape};
 pub use focal_plane::FocalPlane;
 pub use kernel::Kernel;
-pub(crate) use kernel::add_sample;
+pub(crate) use kernel::{add_pixels, add_sample};
 pub use synthetic_aperture::{FocalSurface, SyntheticAperture};
 
 use ndarray::{Array2, Array3, ArrayRef2, Data};

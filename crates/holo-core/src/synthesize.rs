@@ -3,7 +3,8 @@
 //! A pixel of the new view lies on a line in every other view, and its disparity says where. The disparity maps of the four
 //! views around the viewpoint are surfaces over these lines, and each view shows the pixel where its line meets its surface from
 //! the front. The pixel is the mean color of the views that agree on a point, weighted by how near they are; of two points that
-//! as many views show, it is the nearer one. What none of the four shows, views farther away may show. What no view shows is a
+//! as many views show, it is the nearer one. Where all four show one surface, their pixels are samples of one image, and kriging
+//! weights them (`joint.rs`). What none of the four shows, views farther away may show. What no view shows is a
 //! hole, and the farthest surface around it fills it.
 //!
 //! Cameras that stand anywhere take part as views do: a ray of the new camera is a straight line in the image of each, also in
@@ -14,6 +15,7 @@
 
 mod cameras;
 mod fill;
+mod joint;
 mod new_view;
 mod surface;
 #[cfg(test)]
@@ -23,6 +25,7 @@ use ndarray::{Array2, Array3, ArrayView2, ArrayView4, Data};
 
 pub use self::cameras::PosedView;
 pub(crate) use self::fill::fill;
+use self::joint::Joint;
 use self::new_view::{NewView, Source, Steps};
 use self::surface::Maps;
 use crate::refocus::Kernel;
@@ -99,7 +102,8 @@ pub struct ViewSynthesis {
 }
 
 impl ViewSynthesis {
-    /// Sets the kernel for samples between the pixels of a view.
+    /// Sets the kernel for samples between the pixels of a view. With [`Kernel::CatmullRom`] and disparity maps, what all views around
+    /// the viewpoint show on one surface is interpolated from the pixels of all of them (ordinary kriging), which blurs less.
     #[must_use]
     pub fn kernel(self, kernel: Kernel) -> Self {
         Self { kernel, ..self }
@@ -138,12 +142,17 @@ impl ViewSynthesis {
             }
         }
         let maps = Maps::new(shape, disparities)?;
+        let joint = match (disparities, self.kernel) {
+            (ViewDisparities::Plane(_), _) | (_, Kernel::Bilinear) => None,
+            _ => Joint::new([t, s], [self.ratio.vertical(), self.ratio.horizontal()], maps.range_px()),
+        };
         let mut view = NewView::new(shape.lenses(), light_field.channels())?;
         for ring in 0..RINGS {
             if !view.has_holes() {
                 break;
             }
-            view.add(&self.sources(light_field, &maps, (t, s), ring)?, self.kernel);
+            let joint = joint.as_ref().filter(|_| ring == 0);
+            view.add(&self.sources(light_field, &maps, (t, s), ring)?, self.kernel, joint);
         }
         let made = view.finished();
         Ok(SynthesizedView { image: made.image, disparity_px: made.disparity_px, holes: made.holes })

@@ -79,13 +79,24 @@ pub(crate) fn add_sample<T: Sample>(
     weight: f32,
     sample: &mut [f32],
 ) {
-    let (rows, columns, _) = image.dim();
     let [(first_row, down), (first_column, along)] =
         place.map(|at| (at.floor() as isize - 1, kernel.weights(at - at.floor()).map(|weight| weight as f32)));
+    add_pixels(image, [first_row, first_column], [down.map(|part| weight * part), along], sample);
+}
+
+/// Adds 4 x 4 pixels of an image from a first row and column on, with their weights down and along; the pixels of the border go on
+/// beyond it.
+pub(crate) fn add_pixels<T: Sample>(
+    image: ArrayView3<'_, T>,
+    [first_row, first_column]: [isize; 2],
+    [down, along]: [[f32; 4]; 2],
+    sample: &mut [f32],
+) {
+    let (rows, columns, _) = image.dim();
     let inside = |at: isize, count: usize| at.clamp(0, count as isize - 1) as usize;
     let row_of = |k: usize| inside(first_row + k as isize, rows);
     let column_of = |k: usize| inside(first_column + k as isize, columns);
-    for (k, weight) in (0..16).map(|k| (k, weight * down[k / 4] * along[k % 4])).filter(|(_, weight)| *weight != 0.0) {
+    for (k, weight) in (0..16).map(|k| (k, down[k / 4] * along[k % 4])).filter(|(_, weight)| *weight != 0.0) {
         for (channel, value) in sample.iter_mut().enumerate() {
             *value += weight * image[[row_of(k / 4), column_of(k % 4), channel]].to_f32();
         }

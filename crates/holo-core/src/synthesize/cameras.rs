@@ -84,7 +84,7 @@ impl ViewSynthesis {
                 let nearness = base_m / distance_m(&all[k], view).max(LEAST_DISTANCE * base_m);
                 sources.extend(source(&cameras[k], view, base_m, (nearness * nearness) as f32)?);
             }
-            result.add(&sources, self.kernel);
+            result.add(&sources, self.kernel, None);
         }
         let made = result.finished();
         let depth_m = made.disparity_px.mapv(|x| (view.focal_px() * base_m / f64::from(x)) as f32);

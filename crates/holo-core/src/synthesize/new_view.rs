@@ -3,6 +3,7 @@
 use ndarray::{Array2, Array3, ArrayView3};
 
 use super::fill::fill;
+use super::joint::{Joint, SAME_PX};
 use super::surface::{Line, Surface};
 use crate::base::memory::filled;
 use crate::base::parallel::*;
@@ -76,8 +77,14 @@ impl NewView {
         self.disparity_px.iter().any(|x| x.is_nan())
     }
 
-    /// Sets the pixels that are still empty and that some of the views show.
-    pub fn add<'s, 'a, T: Sample, G: Motion>(&mut self, sources: &'s [Source<'a, T, G>], kernel: Kernel) {
+    /// Sets the pixels that are still empty and that some of the views show. With `joint`, pixels on one surface of all views are
+    /// those of all views at once.
+    pub fn add<'s, 'a, T: Sample, G: Motion>(
+        &mut self,
+        sources: &'s [Source<'a, T, G>],
+        kernel: Kernel,
+        joint: Option<&Joint>,
+    ) {
         let ([_, columns], channels) = (self.size, self.channels);
         let lines = self.disparity_px.par_chunks_mut(columns).zip(self.colors.par_chunks_mut(columns * channels));
         lines.enumerate().for_each_init(Vec::new, |hits: &mut Vec<Hit<'s, 'a, T, G>>, (row, (disparities, colors))| {
@@ -88,6 +95,17 @@ impl NewView {
                 let Some(most) = most_seen(hits) else { continue };
                 let (mut total, mut mean) = (0.0, 0.0);
                 let color = &mut colors[column * channels..][..channels];
+                let is_one_surface =
+                    hits.len() == sources.len() && hits.iter().all(|hit| (hit.disparity_px - most).abs() <= SAME_PX);
+                if let Some(joint) = joint.filter(|_| is_one_surface) {
+                    let weighted = |of: fn(&Hit<'s, 'a, T, G>) -> f64| -> f64 {
+                        hits.iter().map(|hit| f64::from(hit.source.weight) * of(hit)).sum()
+                    };
+                    let mean = weighted(|hit| hit.disparity_px) / weighted(|_| 1.0);
+                    *disparity = mean as f32;
+                    joint.add(hits.iter().map(|hit| hit.source.image), [row, column], mean, color);
+                    continue;
+                }
                 for hit in hits.iter().filter(|hit| hit.is_near(most)) {
                     let weight = hit.source.weight;
                     total += weight;

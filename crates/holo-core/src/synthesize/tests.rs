@@ -127,7 +127,10 @@ fn what_no_view_sees_is_a_hole() {
         // The near plane is a pixel wider than it is: pixels that its edges cross move with it.
         assert_eq!(is_hole, (17..21).contains(&u), "{row} {u}");
         let expected = if (16..22).contains(&u) { 0.25 } else { 1.0 };
-        assert!(is_hole || (view.image[[row, u, 0]] - expected).abs() < 1e-6, "{row} {u}");
+        // Pixels within two of an edge have up to 4 % of what is beyond it, 0.75 brighter or darker: kriging averages noise.
+        let error = (view.image[[row, u, 0]] - expected).abs();
+        let is_edge = (14..24).contains(&u);
+        assert!(is_hole || error < if is_edge { 0.03 } else { 1e-6 }, "{row} {u}: {error}");
         assert!(view.image[[row, u, 0]].is_finite());
     }
 }
