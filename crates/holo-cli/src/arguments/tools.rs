@@ -98,7 +98,7 @@ pub struct SynthesizeOptions {
     /// a map of it in a file; or `off`: views are blended as they are [default: truth where the input has it, else estimate].
     #[arg(long, value_name = "truth|estimate|off|FILE.pfm")]
     pub disparity: Option<DisparityArgument>,
-    /// Interpolation between the pixels of a view.
+    /// Interpolation between the pixels of a view. `cubic` takes what four views show of one surface as samples of one image.
     #[arg(long, value_parser = choice(KERNELS), default_value = "cubic")]
     pub kernel: Kernel,
     /// Image to write: .png, or .pfm for linear floats. NAME_holes.png, which is also written, is white where no view shows the point.

@@ -309,7 +309,7 @@ class LightField:
         at: row and column among the views, from 0, which may be fractions.
         disparity: a map of the central view, axes (row, column); those of all views, axes (row, column, view row, view column);
         or one number: all lies in that plane, and 0 blends the views as they are. By default it is estimated.
-        kernel: "cubic" or "bilinear".
+        kernel: "cubic", which takes what four views show of one surface as samples of one image, or "bilinear".
         """
         if disparity is None:
             disparity = self.disparity()
