@@ -34,6 +34,9 @@ pub struct OpticsOptions {
     /// Circle of confusion: width of the blur of a point that still counts as sharp, px.
     #[arg(long, value_name = "C", default_value_t = 1.0, value_parser = parse_positive)]
     pub circle_px: f64,
+    /// Also draw what a main lens of glass does, from the axis to the corner, as curves in this image (.svg).
+    #[arg(long, value_name = "FILE.svg", requires = "camera_file", value_parser = values::svg)]
+    pub plot: Option<PathBuf>,
     /// Print one JSON object on standard output instead of a table.
     #[arg(long)]
     pub json: bool,

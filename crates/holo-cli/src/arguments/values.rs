@@ -70,6 +70,11 @@ pub fn animation(text: &str) -> Result<PathBuf, String> {
     ending_in(text, &endings, "end the name in .png, .gif or .mp4; with --frames in .png, .tif, or .pfm for floats")
 }
 
+/// The name of a drawing.
+pub fn svg(text: &str) -> Result<PathBuf, String> {
+    ending_in(text, &["svg"], "curves are drawn; end the name in .svg")
+}
+
 /// The name of a page.
 pub fn html(text: &str) -> Result<PathBuf, String> {
     ending_in(text, &["html", "htm"], "a page is written; end the name in .html")

@@ -1,7 +1,9 @@
 //! `holo optics`: what a camera will see, before it is built or rendered; and the camera that sees what is wanted.
 
+mod plot;
+
 use holo_core::optics::{DepthRange, Optics};
-use holo_dataset::{adjusted_camera, camera_optics, camera_warnings, planned_rig, rig_optics};
+use holo_dataset::{QuantityValue, adjusted_camera, camera_optics, camera_warnings, planned_rig, rig_optics};
 use holo_io::Limits;
 
 use crate::arguments::{OpticsOptions, open_camera};
@@ -45,9 +47,22 @@ pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
 
 /// The optics of a plenoptic camera.
 fn plenoptic(options: &OpticsOptions, camera: &str) -> Result<(), Failure> {
+    let name = camera;
     let camera = adjusted_camera(open_camera(camera)?, &mut options.settings.given().clone())?;
     let depths = options.depths_m.map_or(Vec::new(), |(near_m, far_m)| vec![near_m, far_m]);
-    quantities::print(&camera_optics(&camera.camera, &depths)?, options.json)?;
+    let rows = camera_optics(&camera.camera, &depths)?;
+    if let Some(path) = &options.plot {
+        let field = rows.iter().find(|row| row.key == "field_mm").map(|row| &row.value);
+        let Some(QuantityValue::List(field_mm)) = field else {
+            return Err(Failure::Usage(format!(
+                "--plot: the main lens of {name} is thin and has no aberrations; give a camera with main_lens.prescription"
+            )));
+        };
+        let corner_m = field_mm.last().copied().unwrap_or_default() * 1e-3;
+        holo_io::write_file(path, plot::curves(&camera.camera, corner_m).as_bytes())?;
+        say!("wrote {}", path.display());
+    }
+    quantities::print(&rows, options.json)?;
     camera_warnings(&camera).iter().for_each(|line| say!("warning: {line}"));
     Ok(())
 }

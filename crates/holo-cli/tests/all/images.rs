@@ -147,6 +147,32 @@ fn optics_tell_what_the_rig_tells_and_find_one() {
     assert!(outcome.stderr.contains("warning: disparities from"), "{outcome:?}");
 }
 
+/// Seven curves; that of vignetting falls as the numbers of the table do.
+#[test]
+fn the_aberrations_of_glass_are_drawn() {
+    let bench = Bench::new();
+    let camera = "[sensor]\nsize_px = [600, 400]\npixel_um = 16.0\n[mla]\ngrid = \"hex-rows\"\npitch_um = 320.0\ngap_um = 900.0\n\
+                  [main_lens]\nprescription = \"double-gauss\"\nfocus_m = 1.5\n";
+    std::fs::write(bench.path("glass.toml"), camera).unwrap();
+    let outcome = ok(bench.run("optics --camera-file glass.toml --json --plot curves.svg"));
+    let table: Value = serde_json::from_str(&outcome.stdout).unwrap();
+    let svg = std::fs::read_to_string(bench.path("curves.svg")).unwrap();
+    assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"), "{svg}");
+    let curves: Vec<Vec<f64>> = svg
+        .split("points=\"")
+        .skip(1)
+        .map(|rest| rest.split('"').next().unwrap().split([' ', ',']).map(|number| number.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(curves.iter().map(Vec::len).collect::<Vec<_>>(), [98; 7]);
+    // The light that is left falls from 100 % to what the table says: of one panel, heights are in proportion to the numbers.
+    let light = &curves[1];
+    let share = |k: usize| table["pupil_share"][k].as_f64().unwrap();
+    let (first, last, middle) = (light[1], light[97], light[1 + 2 * 19]);
+    let expected = (share(0) - share(2)) / (share(0) - share(5));
+    // The second place of the table lies at 19.2 of the 48 steps.
+    assert!(((first - middle) / (first - last) - expected).abs() < 0.03, "{first} {middle} {last} {expected}");
+}
+
 #[test]
 fn wrong_use_is_said() {
     let bench = Bench::new();
@@ -183,6 +209,9 @@ fn wrong_use_is_said() {
         ("optics --disparity -2,2", "--depths-m"),
         ("optics --depths-m 1,2 --disparity 2,3 --focus-m 1", "cannot be used with"),
         ("optics tiny.glb", "camera parameters are unknown"),
+        ("optics --camera-file lytro-illum --plot x.svg", "--plot: the main lens of lytro-illum is thin"),
+        ("optics --camera-file lytro-illum --plot x.png", "end the name in .svg"),
+        ("optics --focus-m 1 --plot x.svg", "--camera-file"),
     ] {
         let outcome = bench.run(arguments);
         assert_eq!(outcome.code, Some(2), "{arguments}: {outcome:?}");
