@@ -46,9 +46,8 @@ pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
 }
 
 /// The optics of a plenoptic camera.
-fn plenoptic(options: &OpticsOptions, camera: &str) -> Result<(), Failure> {
-    let name = camera;
-    let camera = adjusted_camera(open_camera(camera)?, &mut options.settings.given().clone())?;
+fn plenoptic(options: &OpticsOptions, name: &str) -> Result<(), Failure> {
+    let camera = adjusted_camera(open_camera(name)?, &mut options.settings.given().clone())?;
     let depths = options.depths_m.map_or(Vec::new(), |(near_m, far_m)| vec![near_m, far_m]);
     let rows = camera_optics(&camera.camera, &depths)?;
     if let Some(path) = &options.plot {

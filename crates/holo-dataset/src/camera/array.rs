@@ -297,8 +297,8 @@ fn others_in_plane(array: &ArrayFolder, k: usize, view: &Pinhole, near_m: f64) -
         )
     } else {
         format!(
-            "no other camera stands in the plane of camera '{name}': the one nearest to the plane shifts the corners of the image by \
-             {least_px:.1} px at {near_m} m; up to {OUT_OF_PLANE_PX} px are allowed; choose another camera or a farther near depth"
+            "no other camera stands in the plane of camera '{name}'. The camera nearest to that plane moves the corners of the image by \
+             {least_px:.1} px at {near_m} m; depth needs at most {OUT_OF_PLANE_PX} px: choose another camera, or a near depth farther away"
         )
     }))
 }

@@ -16,7 +16,7 @@ const DASHES: [&str; 2] = ["none", "6 4"];
 
 /// A small plot of one or two curves over the same axis.
 struct Panel {
-    title: String,
+    title: &'static str,
     axis: &'static str,
     curves: Vec<Vec<[f64; 2]>>,
 }
@@ -25,8 +25,8 @@ struct Panel {
 pub(super) fn curves(camera: &PlenopticCamera, corner_m: f64) -> String {
     let field: Vec<Aberrations> =
         (0..=STEPS).filter_map(|k| camera.aberrations(corner_m * k as f64 / STEPS as f64)).collect();
-    let over_field = |title: &str, values: &[fn(&Aberrations) -> f64]| Panel {
-        title: title.into(),
+    let over_field = |title: &'static str, values: &[fn(&Aberrations) -> f64]| Panel {
+        title,
         axis: "mm from the axis",
         curves: values.iter().map(|value| field.iter().map(|at| [at.field_m * 1e3, value(at)]).collect()).collect(),
     };
@@ -43,11 +43,7 @@ pub(super) fn curves(camera: &PlenopticCamera, corner_m: f64) -> String {
             &[|at| at.sagittal_m * 1e3, |at| at.tangential_m * 1e3],
         ),
         over_field("486 nm farther from the axis than 656 nm, \u{b5}m", &[|at| at.lateral_color_m * 1e6]),
-        Panel {
-            title: "focus on the axis behind that of 588 nm, mm".into(),
-            axis: "nm",
-            curves: vec![color.collect()],
-        },
+        Panel { title: "focus on the axis behind that of 588 nm, mm", axis: "nm", curves: vec![color.collect()] },
     ])
 }
 
