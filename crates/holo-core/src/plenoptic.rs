@@ -60,7 +60,7 @@ pub use distortion::Distortion;
 pub use equivalent::EquivalentViews;
 pub use glass_lens::TracedRays;
 pub use lune::LitRegion;
-pub use main_lens::{ArrayFocus, MainLens, Stop};
+pub use main_lens::{ArrayFocus, FocusGroup, MainLens, Stop};
 pub use microlens::{Microlens, PlenopticRay, RayCoefficients};
 pub use microlenses::{LensAperture, MicrolensArray, MicrolensFocus, MicrolensGrid, MicrolensIndex};
 pub use prescription::{Glass, LensRays, Medium, Objective, Paraxial, Prescription, Surface, glasses, objectives};

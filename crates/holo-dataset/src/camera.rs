@@ -28,6 +28,6 @@ pub use self::linear_image::{camera_of_raw, read_raw, read_white};
 pub use self::optics::{camera_optics, planned_rig, rig_optics};
 pub use self::placement::{Placement, Surface, jittered};
 pub use self::quantity::{NamedQuantity, QuantityValue};
-pub use self::score::calibration_score;
+pub use self::score::{calibration_score, grid_score};
 pub use self::some_views::estimate_from_views;
 pub use self::target::{BoardPose, TargetJob, read_poses};

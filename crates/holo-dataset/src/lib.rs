@@ -44,8 +44,8 @@ mod watch;
 pub use camera::{
     ArrayDepth, ArrayViewpoint, BenchmarkSize, BoardPose, Calibrated, CalibrationBenchmark, DecodeJob, DemosaicMethod,
     DevelopJob, DevelopOutput, Developed, KnownCamera, NamedQuantity, Placement, QuantityValue, Surface, TargetJob,
-    calibration_score, camera_of_raw, camera_optics, correspondences, estimate_depth, estimate_from_views, jittered,
-    planned_rig, read_poses, read_raw, read_white, rig_optics, synthesize_from_array, synthetic_aperture,
+    calibration_score, camera_of_raw, camera_optics, correspondences, estimate_depth, estimate_from_views, grid_score,
+    jittered, planned_rig, read_poses, read_raw, read_white, rig_optics, synthesize_from_array, synthetic_aperture,
     write_demosaiced, write_white_images,
 };
 pub use collection::{

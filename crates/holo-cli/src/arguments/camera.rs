@@ -82,7 +82,8 @@ pub struct CalibrateOptions {
 
 #[derive(Args, Debug)]
 pub struct EvalCalibrationOptions {
-    /// The camera that was found: a camera file (TOML).
+    /// The camera that was found: a camera file (TOML), `intrinsics.js` of COMPOTE, or a grid of micro-images alone, `*.grid.json` of
+    /// LFToolbox.
     #[arg(value_name = "RESULT")]
     pub result: String,
     /// Folder of `holo target` with the true camera and its corners.

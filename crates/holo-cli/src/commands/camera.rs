@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use holo_core::plenoptic::{MicrolensGrid, presets};
 use holo_dataset::{
-    Calibrated, DecodeJob, KnownCamera, SceneSource, TargetJob, calibration_score, camera_of_raw, read_poses, text,
-    write_white_images,
+    Calibrated, DecodeJob, KnownCamera, SceneSource, TargetJob, calibration_score, camera_of_raw, grid_score,
+    read_poses, text, write_white_images,
 };
 use holo_io::dataset::{CAMERA_TOML, RAW_EXR, RAW_PNG};
+use holo_io::interop::LensletGridModel;
 use holo_io::{CameraFile, ColorEncoding, Compression};
 
 use crate::arguments::{
@@ -81,7 +82,12 @@ pub fn calibrate(options: &CalibrateOptions) -> Result<(), Failure> {
 }
 
 pub fn eval_calibration(options: &EvalCalibrationOptions) -> Result<(), Failure> {
-    quantities::print(&calibration_score(&open_camera(&options.result)?, &options.truth)?, options.json)
+    let is_grid = options.result.ends_with(".json");
+    let rows = match is_grid {
+        true => grid_score(&LensletGridModel::read(&options.result)?, &options.truth)?,
+        false => calibration_score(&open_camera(&options.result)?, &options.truth)?,
+    };
+    quantities::print(&rows, options.json)
 }
 
 pub fn target(options: &TargetOptions) -> Result<(), Failure> {

@@ -150,6 +150,17 @@ fn calibrations_are_scored() {
         assert!(number(&wrong, "reprojection_px", 0) > 0.01 && number(&wrong, "centers_px", 0) > 0.001, "{wrong}");
         assert!((number(&wrong, "gap_mm", 0) / number(&wrong, "gap_mm", 1) - 1.01).abs() < 1e-9, "{wrong}");
     }
+    // The grid of micro-images alone, as other programs find it: moved by 3 and 4 tenths of a pixel.
+    let thin = holo_io::CameraFile::read(bench.path("thin/camera.toml")).unwrap().camera;
+    let mut grid = holo_io::interop::LensletGridModel::new(&thin).unwrap();
+    (grid.h_offset, grid.v_offset) = (grid.h_offset + 0.3, grid.v_offset - 0.4);
+    std::fs::write(bench.path("found.grid.json"), grid.to_json()).unwrap();
+    let score: serde_json::Value =
+        serde_json::from_str(&bench.run("eval-calibration found.grid.json --truth thin --json").stdout).unwrap();
+    assert!(score["microlenses"].as_u64().unwrap() > 100, "{score}");
+    for k in [0, 1] {
+        assert!((score["centers_px"][k].as_f64().unwrap() - 0.5).abs() < 1e-6, "{score}");
+    }
     let other = bench.run("eval-calibration lytro-illum --truth thin");
     assert!(other.code == Some(2) && other.stderr.contains("7728"), "{other:?}");
     let missing = bench.run("eval-calibration thin.toml --truth nowhere");

@@ -16,6 +16,9 @@ const STEPS: usize = 8;
 /// A smaller displacement is not corrected further, px.
 const NEAR_PX: f64 = 2e-3;
 
+/// Another tilt of the array that displaces all micro-images by less is not told from noise, px.
+const TILT_PX: f64 = 0.05;
+
 /// The assumed gap of an unknown camera, in pitches. It sets how disparity follows from depth.
 const GAP_PITCHES: f64 = 10.0;
 
@@ -28,6 +31,9 @@ const ERRORS: f64 = 6.0;
 
 /// A micro-image with less than this part of the light of the brightest ones is not measured.
 const DARK: f32 = 0.1;
+
+/// Parts of the pixels around a micro-image, per thousand, that may be darker than its light: the first one for which they are.
+const DARKER: [usize; 3] = [900, 970, 990];
 
 /// A camera whose micro-images lie where a white image has them.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,23 +72,32 @@ impl PlenopticCamera {
     /// # Accuracy
     ///
     /// Micro-images of at least 9 px, whose vignetting the camera describes: 0.05 px over the sensor; 0.1 px with noise of a
-    /// tenth of the light in every pixel. A tilt of the array is that of this camera. Which of the lattice's places has the number
-    /// (0, 0) is not known from an image: the one nearest to the middle has.
+    /// tenth of the light in every pixel. A tilt of the array is that of this camera, unless another one displaces micro-images by
+    /// 0.05 px or more: it then follows from how their scale grows over the sensor, and from the exit pupil of this camera. Which of
+    /// the lattice's places has the number (0, 0) is not known from an image: the one nearest to the middle has.
     ///
     /// # Errors
     ///
     /// [`Error::Shape`] if the image has not the size of the sensor; [`Error::BadNumber`] if such a camera forms no image;
     /// [`Error::OutOfMemory`].
     pub fn calibrated(&self, white: ArrayView2<f32>) -> Result<Option<Calibration>, Error> {
+        self.calibrated_with(white, true)
+    }
+
+    /// The same; the tilt of the array is only looked for where the pupil is known.
+    fn calibrated_with(&self, white: ArrayView2<f32>, has_tilt: bool) -> Result<Option<Calibration>, Error> {
         self.check_white(white)?;
         let Some(lattice) = lattice::find(white) else { return Ok(None) };
         let mut camera = self.with_lattice(&lattice)?;
         for _ in 0..STEPS {
-            let Some(displacement) = camera.white_displacement(white)? else { return Ok(None) };
+            let Some(displacement) = camera.white_displacement(white, false)? else { return Ok(None) };
             camera = camera.displaced(&displacement)?;
             if displacement.largest_px() < NEAR_PX {
                 break;
             }
+        }
+        if has_tilt && let Some(tilted) = camera.with_another_tilt(white)? {
+            camera = tilted;
         }
         let spots = camera.spots(white);
         if spots.is_empty() {
@@ -111,9 +126,26 @@ impl PlenopticCamera {
             lens.focus = ArrayFocus::Distance { mla_distance_m: FOCAL_M };
             Self::new(sensor, array.clone(), lens)
         };
-        let Some(first) = of(GAP_PITCHES)?.calibrated(white)? else { return Ok(None) };
+        let Some(first) = of(GAP_PITCHES)?.calibrated_with(white, false)? else { return Ok(None) };
         let largest_px = first.radii_px.iter().fold(0.0, |a: f64, b| a.max(*b));
-        of(gap_m / (2.0 * largest_px * pixel_m).max(pixel_m))?.calibrated(white)
+        of(gap_m / (2.0 * largest_px * pixel_m).max(pixel_m))?.calibrated_with(white, false)
+    }
+
+    /// The camera whose array has another tilt; `None` if the white image does not show one.
+    fn with_another_tilt(&self, white: ArrayView2<f32>) -> Result<Option<Self>, Error> {
+        let mut camera: Option<Self> = None;
+        for _ in 0..STEPS {
+            let known = camera.as_ref().unwrap_or(self);
+            let Some(displacement) = known.white_displacement(white, true)? else { break };
+            if camera.is_none() && displacement.largest_of_growth_px() < TILT_PX {
+                break;
+            }
+            camera = Some(known.displaced(&displacement)?);
+            if displacement.largest_px() < NEAR_PX {
+                break;
+            }
+        }
+        Ok(camera)
     }
 
     /// Returns this camera with another lattice. One of its micro-images lies in the middle of the sensor.
@@ -138,6 +170,10 @@ impl PlenopticCamera {
         array.pitch_m *= x;
         array.scale_y *= y / x;
         array.rotation_rad += rotation_rad;
+        // A microlens nearer to the exit pupil by h has a micro-image that is 1 + h / exit larger.
+        let slope_per_growth = self.micro_image_scale() * self.exit_pupil_m() / self.sensor().pixel_m;
+        let [right, down] = displacement.growth().map(|growth| growth * slope_per_growth);
+        array.tilt_rad = [array.tilt_rad[0].tan() + right, array.tilt_rad[1].tan() - down].map(f64::atan);
         Self::new(*self.sensor(), array, self.main_lens().clone())
     }
 
@@ -244,12 +280,12 @@ fn spot(white: ArrayView2<f32>, lens: MicrolensIndex, at: [f64; 2], reach: f64, 
     if values.is_empty() {
         return None;
     }
-    // Noise has no part in what nine of ten pixels are below.
-    let ninth = values.len() * 9 / 10;
-    let top = *values.select_nth_unstable_by(ninth, f32::total_cmp).1;
-    if top.is_nan() || top <= DARK * brightest {
-        return None;
-    }
+    // Noise has no part in what nine of ten pixels are below, or nearly all if the spot is so small.
+    let of_darker = |per_thousand: usize| {
+        let number = values.len() * per_thousand / 1000;
+        *values.select_nth_unstable_by(number, f32::total_cmp).1
+    };
+    let top = DARKER.into_iter().map(of_darker).find(|top| *top > DARK * brightest)?;
     let (mut sum, mut moments) = (0.0, [0.0; 2]);
     for (v, u) in places().filter(|(v, u)| is_within(*v, *u)) {
         let light = f64::from((white.get((v, u)).copied().unwrap_or(0.0) / top).clamp(0.0, 1.0));

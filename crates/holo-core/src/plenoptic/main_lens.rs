@@ -61,6 +61,17 @@ pub struct MainLens {
     /// the exit pupil then follow from: [`PlenopticCamera::new`](super::PlenopticCamera::new) sets them. Its aperture is round.
     /// A lens with a prescription has no further stops and no other distortion.
     pub prescription: Option<Prescription>,
+    /// The surfaces of the prescription that move to focus it; `None`: the whole lens does.
+    pub focus_group: Option<FocusGroup>,
+}
+
+/// Surfaces of a lens of glass that move along the axis to focus it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FocusGroup {
+    /// The first and the last surface that move, counted from 0 from the scene.
+    pub surfaces: [usize; 2],
+    /// The lens when it is focused at infinity.
+    pub at_infinity: Prescription,
 }
 
 /// The numbers of a main lens that rays need.
@@ -115,6 +126,7 @@ impl MainLens {
             stops: Vec::new(),
             distortion,
             prescription: None,
+            focus_group: None,
         }
     }
 
@@ -125,14 +137,49 @@ impl MainLens {
         Self { focus, prescription: Some(prescription), ..Self::new(focal_length_m, f_number, 1.0) }
     }
 
+    /// Returns a lens of glass that a group of its surfaces focuses at a depth, whose image lies at a virtual depth as that of
+    /// [`ArrayFocus::Depth`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Prescription::focused_by`].
+    pub fn of_glass_with_group(group: FocusGroup, depth_m: f64, virtual_depth: f64) -> Result<Self, Error> {
+        let [first, last] = group.surfaces;
+        let moved = group.at_infinity.focused_by(first..=last, depth_m)?;
+        let focus = ArrayFocus::Depth { depth_m, virtual_depth };
+        Ok(Self { focus_group: Some(group), ..Self::of_glass(moved, focus) })
+    }
+
+    /// Returns the lens focused at another depth: its focus group moves, or else the whole lens. The virtual depth stays.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if its focus group does not reach that depth.
+    pub fn with_focus(&self, depth_m: f64) -> Result<Self, Error> {
+        let virtual_depth = match self.focus {
+            ArrayFocus::Depth { virtual_depth, .. } => virtual_depth,
+            ArrayFocus::Distance { .. } => 0.0,
+        };
+        match &self.focus_group {
+            Some(group) => Self::of_glass_with_group(group.clone(), depth_m, virtual_depth),
+            None => Ok(Self { focus: ArrayFocus::Depth { depth_m, virtual_depth }, ..self.clone() }),
+        }
+    }
+
     /// Returns the lens with another f-number: one of glass with its stop closed to it.
     ///
     /// # Errors
     ///
     /// [`Error::BadNumber`] if a lens of glass is not that open.
     pub fn with_f_number(&self, f_number: f64) -> Result<Self, Error> {
-        let prescription = self.prescription.as_ref().map(|lens| lens.stopped_down(f_number)).transpose()?;
-        Ok(Self { f_number, prescription, ..self.clone() })
+        let Some(lens) = &self.prescription else { return Ok(Self { f_number, ..self.clone() }) };
+        let closed = lens.stopped_down(f_number)?;
+        let group = self.focus_group.as_ref();
+        let focus_group = group.map(|group| {
+            let at_infinity = group.at_infinity.with_stop(closed.stop_m())?;
+            Ok(FocusGroup { at_infinity, ..group.clone() })
+        });
+        Ok(Self { f_number, prescription: Some(closed), focus_group: focus_group.transpose()?, ..self.clone() })
     }
 
     /// The same lens with the numbers that follow from its prescription, if it has one, in front of an array `gap_m` from the

@@ -1,6 +1,7 @@
 //! A main lens of glass: its surfaces one behind the other, and what follows from them near the axis.
 
 mod field;
+mod focus;
 mod glass;
 mod objectives;
 mod paraxial;
@@ -171,13 +172,21 @@ impl Prescription {
             let need = "at least that of the open lens";
             return Err(Error::BadNumber { what: "f-number of the main lens", value: f_number, need });
         }
-        let closed = |surface: &Surface| match surface.is_stop {
-            true => {
-                Surface { semi_aperture_m: surface.semi_aperture_m * (open / f_number).min(1.0), ..surface.clone() }
-            }
-            false => surface.clone(),
-        };
-        Self::new(self.surfaces.iter().map(closed).collect())
+        self.with_stop(self.stop_m() * (open / f_number).min(1.0))
+    }
+
+    /// Half of the diameter of the stop, m.
+    pub(super) fn stop_m(&self) -> f64 {
+        self.surfaces.iter().filter(|surface| surface.is_stop).map(|stop| stop.semi_aperture_m).sum()
+    }
+
+    /// The same lens with another stop.
+    pub(super) fn with_stop(&self, semi_aperture_m: f64) -> Result<Self, Error> {
+        let mut surfaces = self.surfaces.clone();
+        for stop in surfaces.iter_mut().filter(|surface| surface.is_stop) {
+            stop.semi_aperture_m = semi_aperture_m;
+        }
+        Self::new(surfaces)
     }
 }
 

@@ -36,12 +36,14 @@ pub struct WhiteGrid {
     pub offset_px: [f64; 2],
 }
 
-/// The displacement of a grid, linear over the sensor, in pixels to the right and down.
+/// The displacement of a grid over the sensor, in pixels to the right and down.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Displacement {
     /// In the middle of the sensor, and per pixel to the right and down from there.
     x: [f64; 3],
     y: [f64; 3],
+    /// How much the scale grows per pixel to the right and down, as that of a tilted array.
+    growth: [f64; 2],
     /// Half of the sensor.
     middle_px: [f64; 2],
 }
@@ -79,7 +81,7 @@ impl PlenopticCamera {
     /// The shift theorem: a displaced grid has other phases at the two frequencies of the grid, here within windows of some
     /// micro-images around the places where the camera has one; a plane fits the displacements.
     pub fn white_grid(&self, white: ArrayView2<f32>) -> Result<Option<WhiteGrid>, Error> {
-        Ok(self.white_displacement(white)?.map(|displacement| displacement.grid()))
+        Ok(self.white_displacement(white, false)?.map(|displacement| displacement.grid()))
     }
 
     /// Checks that a white image has the size of the sensor.
@@ -92,8 +94,12 @@ impl PlenopticCamera {
         Err(Error::Shape { what: "white image", expected, found })
     }
 
-    /// The same as the displacement itself.
-    pub(super) fn white_displacement(&self, white: ArrayView2<f32>) -> Result<Option<Displacement>, Error> {
+    /// The same as the displacement itself, with a growth of the scale if the array may be tilted otherwise.
+    pub(super) fn white_displacement(
+        &self,
+        white: ArrayView2<f32>,
+        has_tilt: bool,
+    ) -> Result<Option<Displacement>, Error> {
         self.check_white(white)?;
         let size = self.sensor().size;
         let spacing = size.larger() as f64 / TILES as f64;
@@ -122,7 +128,7 @@ impl PlenopticCamera {
             };
             tiles.push((0..counts[0]).map(tile).collect());
         }
-        Ok(continued(tiles).and_then(|tiles| fitted(&tiles, [size.columns as f64, size.rows as f64])))
+        Ok(continued(tiles).and_then(|tiles| fitted(&tiles, [size.columns as f64, size.rows as f64], has_tilt)))
     }
 
     /// The displacement around the micro-image nearest to a place, from the rows of a white image from `first_row` on.
@@ -213,7 +219,19 @@ impl Displacement {
     /// The displacement at a place on the sensor.
     pub fn at(&self, place_px: [f64; 2]) -> [f64; 2] {
         let [x, y] = [0, 1].map(|k| place_px[k] - self.middle_px[k]);
-        [self.x, self.y].map(|[at_middle, along_x, along_y]| at_middle + along_x * x + along_y * y)
+        let growth = self.growth[0] * x + self.growth[1] * y;
+        let linear = [self.x, self.y].map(|[at_middle, along_x, along_y]| at_middle + along_x * x + along_y * y);
+        [linear[0] + growth * x, linear[1] + growth * y]
+    }
+
+    /// How much the scale grows per pixel to the right and down.
+    pub fn growth(&self) -> [f64; 2] {
+        self.growth
+    }
+
+    /// The largest displacement by the growth of the scale.
+    pub fn largest_of_growth_px(&self) -> f64 {
+        Self { x: [0.0; 3], y: [0.0; 3], ..*self }.largest_px()
     }
 
     /// The scales along x and y, and the rotation, counterclockwise in the image.
@@ -242,23 +260,38 @@ impl Displacement {
     }
 }
 
-/// The plane through the displacements, by least squares.
-fn fitted(tiles: &[Tile], size_px: [f64; 2]) -> Option<Displacement> {
-    if tiles.len() < 3 {
+/// The displacement nearest to those of the tiles, by least squares.
+fn fitted(tiles: &[Tile], size_px: [f64; 2], has_tilt: bool) -> Option<Displacement> {
+    // Both axes have an offset and two slopes, and the growth of the scale together.
+    const UNKNOWNS: usize = 8;
+    let unknowns = if has_tilt { UNKNOWNS } else { UNKNOWNS - 2 };
+    if 2 * tiles.len() < unknowns {
         return None;
     }
     let middle_px = size_px.map(|length| length / 2.0);
-    let mut normal = [[0.0_f64; 3]; 3];
-    let mut right = [[0.0_f64; 3]; 2];
+    // Places of the order of 1, so that all unknowns are displacements in pixels.
+    let unit_px = middle_px[0].max(middle_px[1]);
+    let mut normal = [[0.0_f64; UNKNOWNS]; UNKNOWNS];
+    let mut right = [0.0_f64; UNKNOWNS];
+    // Unknowns that are left out are 0.
+    (unknowns..UNKNOWNS).for_each(|k| normal[k][k] = 1.0);
     for tile in tiles {
-        let row = [1.0, tile.place_px[0] - middle_px[0], tile.place_px[1] - middle_px[1]];
-        for i in 0..3 {
-            (0..3).for_each(|j| normal[i][j] += row[i] * row[j]);
-            (0..2).for_each(|axis| right[axis][i] += row[i] * tile.shift_px[axis]);
+        let [x, y] = [0, 1].map(|k| (tile.place_px[k] - middle_px[k]) / unit_px);
+        let rows = [[1.0, x, y, 0.0, 0.0, 0.0, x * x, x * y], [0.0, 0.0, 0.0, 1.0, x, y, x * y, y * y]];
+        for (row, shift_px) in rows.iter().zip(tile.shift_px) {
+            for i in 0..unknowns {
+                (0..unknowns).for_each(|j| normal[i][j] += row[i] * row[j]);
+                right[i] += row[i] * shift_px;
+            }
         }
     }
-    let [x, y] = right.map(|right| solved(normal, right));
-    let found = Displacement { x: x?, y: y?, middle_px };
+    let [a, b, c, d, e, f, g, h] = solved(normal, right)?;
+    let found = Displacement {
+        x: [a, b / unit_px, c / unit_px],
+        y: [d, e / unit_px, f / unit_px],
+        growth: [g, h].map(|growth| growth / (unit_px * unit_px)),
+        middle_px,
+    };
     let off = |tile: &Tile| {
         let expected = found.at(tile.place_px);
         (expected[0] - tile.shift_px[0]).hypot(expected[1] - tile.shift_px[1])
@@ -268,19 +301,27 @@ fn fitted(tiles: &[Tile], size_px: [f64; 2]) -> Option<Displacement> {
     (mean <= 0.1 * step).then_some(found)
 }
 
-/// The solution of three linear equations; `None` without a single one.
-fn solved(matrix: [[f64; 3]; 3], right: [f64; 3]) -> Option<[f64; 3]> {
-    let determinant = |m: [[f64; 3]; 3]| {
-        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
-    };
-    let all = determinant(matrix);
-    let replaced = |column: usize| {
-        let mut m = matrix;
-        (0..3).for_each(|row| m[row][column] = right[row]);
-        determinant(m) / all
-    };
-    (all != 0.0).then(|| [0, 1, 2].map(replaced))
+/// The solution of linear equations, by elimination with pivots; `None` without a single one.
+fn solved<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
+    for column in 0..N {
+        let pivot = (column..N).max_by(|&a, &b| matrix[a][column].abs().total_cmp(&matrix[b][column].abs()))?;
+        matrix.swap(column, pivot);
+        right.swap(column, pivot);
+        let top = matrix[column];
+        if top[column].is_nan() || top[column].abs() < 1e-12 {
+            return None;
+        }
+        for row in column + 1..N {
+            let factor = matrix[row][column] / top[column];
+            (column..N).for_each(|k| matrix[row][k] -= factor * top[k]);
+            right[row] -= factor * right[column];
+        }
+    }
+    for row in (0..N).rev() {
+        let known: f64 = (row + 1..N).map(|k| matrix[row][k] * right[k]).sum();
+        right[row] = (right[row] - known) / matrix[row][row];
+    }
+    Some(right)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The benchmark of calibrations: boards and white images of several cameras, with the truth.
 
 mod cameras;
+mod cards;
 mod poses;
 mod recorded;
 
@@ -8,7 +9,8 @@ use std::path::Path;
 
 use holo_io::interop::{LensletGridModel, Libpleno};
 use holo_io::{CameraFile, Folder, Manifest, Sha256};
-use holo_render::Progress;
+use holo_render::{Integrator, Layer, LayerSet, Progress, Renderer, Request};
+use holo_scene::Transform;
 use ndarray::{Array3, Axis};
 
 use self::cameras::{ENTRIES, Entry, Tier};
@@ -16,10 +18,11 @@ use self::poses::Poses;
 use self::recorded::Recorder;
 use super::target::{BoardPose, TargetJob};
 use crate::Error;
-use crate::output::raw::lit_white_image;
+use crate::output::raw::{CAMERA_TOML, image, lit_white_image};
 use crate::output::{OutputFolder, Rollback, existing};
 use crate::resume::identity::{check_replaceable, difference};
 use crate::settings::EngineSettings;
+use crate::shot::libraries;
 use crate::watch::{About, Diagnostics};
 
 /// The version of cameras, poses and files.
@@ -27,6 +30,12 @@ const VERSION: u32 = 1;
 
 /// The f-numbers of white images, relative to that of the camera: whole stops.
 const STOPS: [f64; 5] = [1.0, std::f64::consts::SQRT_2, 2.0, 2.0 * std::f64::consts::SQRT_2, 4.0];
+
+/// The side of a cell of the textured scene, in squares of a board.
+const CELL: f64 = 0.25;
+
+/// The depths of the textured scene.
+const SCENE_DEPTH: &str = "scene_depth.pfm";
 
 /// Bytes of the files of a board, per pixel of the sensor: as measured.
 const BYTES_PER_PIXEL: f64 = 5.5;
@@ -39,6 +48,7 @@ const BYTES_PER_PIXEL: f64 = 5.5;
 /// - `white`: white images at five f-numbers, and `data_sheet.toml`, what is known of the camera;
 /// - `boards`, `held-out` and `sweep`: 16 and 15 boards in free poses and 11 that move along the axis, as [`TargetJob`] writes them
 ///   but for their images, with the poses in `poses.toml`;
+/// - `scene`: textured cards before a wall, `scene_depth.pfm` with the depth of every pixel's chief ray in meters, and the camera;
 /// - `compote` and `lftoolbox`: the same for COMPOTE and the Light Field Toolbox.
 ///
 /// Every image is there without noise, `NAME.png`, 16 bits in linear gray, and as the codes of a sensor, `NAME_noisy.png`.
@@ -173,6 +183,10 @@ impl CalibrationBenchmark {
                 job.run_with((out, &inner), watch, identity.clone(), &write).map(drop)
             })?;
         }
+        let inner = name("scene");
+        let mut scene = identity.clone();
+        scene.settings.insert("spp".into(), self.samples.into());
+        part(&inner, &scene, &|| self.write_scene(configuration, &recorder, (out, &inner), watch, scene.clone()))?;
         let texts = self.texts(configuration, out)?;
         for (program, texts) in texts {
             let inner = name(program);
@@ -190,6 +204,34 @@ impl CalibrationBenchmark {
             })?;
         }
         Ok(())
+    }
+
+    /// Renders the textured scene.
+    fn write_scene(
+        &self,
+        configuration: &Configuration<'_>,
+        recorder: &Recorder,
+        place: (&Path, &str),
+        (progress, diagnostics, rollback): (&dyn Progress, &dyn Diagnostics, &Rollback),
+        mut identity: Manifest,
+    ) -> Result<(), Error> {
+        let camera = &configuration.truth.camera;
+        let cell_m = configuration.entry.board(self.is_full).1 * CELL;
+        let scene = cards::scene(&configuration.data_sheet.camera, cell_m, configuration.entry.depths_m);
+        let EngineSettings { backend, threads } = self.engine;
+        let renderer = Renderer::new(&scene, &Transform::IDENTITY, backend, threads)?;
+        let request = Request::new(camera.clone()).integrator(Integrator::Direct).samples(self.samples);
+        let rendered = renderer.render(&request.layers(LayerSet::of(&[Layer::Depth])), progress)?;
+        let lost = || Error::Failed("the renderer returned neither color nor depth".into());
+        let depth_m = rendered.central.depth_m().ok_or_else(lost)?.index_axis(Axis(2), 0);
+        let mut folder = OutputFolder::create_in(place, false, rollback, diagnostics)?;
+        folder.unseal()?;
+        let text = configuration.truth.to_toml();
+        folder.add(CAMERA_TOML, holo_io::write_file(folder.file(CAMERA_TOML), text.as_bytes())?);
+        folder.add(SCENE_DEPTH, holo_io::write_pfm(folder.file(SCENE_DEPTH), depth_m)?);
+        recorder.write(&mut folder, "scene", poses::COUNT as u64, &image(rendered.color.ok_or_else(lost)?)?)?;
+        identity.libraries = libraries(&renderer);
+        folder.seal(identity).map(drop)
     }
 
     fn identity(&self, configuration: &Configuration<'_>) -> Manifest {
@@ -375,14 +417,15 @@ mod tests {
             let hear = |_: About, line: &str| lines.borrow_mut().push(line.to_owned());
             benchmark.write(&configuration, (out, overwrite), (&(), &hear, &rollback)).map(|()| lines.into_inner())
         };
-        let names = ["white", "boards", "held-out", "sweep", "compote"].map(|part| format!("r12-a-thin/{part}"));
+        let names =
+            ["white", "boards", "held-out", "sweep", "scene", "compote"].map(|part| format!("r12-a-thin/{part}"));
         assert_eq!(run(&benchmark, false).unwrap(), names);
         assert!(run(&benchmark, false).unwrap().is_empty());
         std::fs::remove_file(out.join("r12-a-thin/sweep/manifest.json")).unwrap();
         assert_eq!(run(&benchmark, false).unwrap(), names[3..4]);
         benchmark.samples = 2;
         assert!(run(&benchmark, false).unwrap_err().to_string().contains("overwrite"));
-        assert_eq!(run(&benchmark, true).unwrap(), names[1..4]);
+        assert_eq!(run(&benchmark, true).unwrap(), names[1..5]);
 
         let boards = out.join("r12-a-thin/boards");
         for name in ["frame_15.png", "frame_15_noisy.png", "compote/frame_15.png", "poses.toml", "corners.csv"] {
@@ -401,6 +444,14 @@ mod tests {
         let of = |key: &str| score.iter().find(|row| row.key == key).unwrap().value.clone();
         let crate::QuantityValue::List(reprojection) = of("reprojection_px") else { panic!() };
         assert!(reprojection[1] < 1e-3, "{reprojection:?}");
+
+        // Every pixel sees a card or the wall, up to a card that is turned towards the camera by less than its half side.
+        let depths = holo_io::read_pfm_gray(out.join("r12-a-thin/scene/scene_depth.pfm"), &holo_io::Limits::default());
+        let (depths, [near_m, far_m]) = (depths.unwrap(), entry.depths_m);
+        let range = 0.9 * near_m as f32..=1.0001 * far_m as f32;
+        assert!(depths.iter().all(|depth| range.contains(depth)), "{depths:?}");
+        let nearest = depths.iter().copied().fold(f32::INFINITY, f32::min);
+        assert!(nearest < 0.95 * far_m as f32, "{nearest}: no card is seen");
 
         // Noise of electrons: the codes of a bright surface scatter as much as the root of their electrons.
         let white = out.join("r12-a-thin/white");

@@ -56,7 +56,8 @@ impl Calibrated {
             let path = paths.first().map(|path| path.display().to_string()).unwrap_or_default();
             return Err(Error::Failed(format!(
                 "{path}: it has no square or hexagonal lattice of micro-images, 4 px apart or more and a dozen a side; a \
-                 white image shows an evenly bright surface, sharp or not"
+                 white image shows an evenly bright surface, sharp or not, and more than a hundredth of it is lit: \
+                 open the aperture if its spots are smaller"
             )));
         };
         let camera = match known {

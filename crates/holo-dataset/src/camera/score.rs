@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use holo_core::plenoptic::{Microlens, MicrolensIndex, PlenopticCamera};
+use holo_io::interop::LensletGridModel;
 use holo_io::{CameraFile, Folder};
 
 use self::pose::{Movement, Sight};
@@ -113,6 +114,40 @@ pub fn calibration_score(result: &CameraFile, truth: &Path) -> Result<Vec<NamedQ
     row("depths", "corners with a depth", Count(errors.len()), "");
     row("depth_bias", "depth of corners: mean error", Number(100.0 * sum / count), "%");
     row("depth_rms", "depth of corners: error, RMS", Number(100.0 * rms), "%");
+    Ok(rows)
+}
+
+/// Returns how well a grid of micro-images is that of the camera of a folder that [`TargetJob`](super::TargetJob) wrote: its numbers
+/// beside the true ones, and its centers, each compared with the nearest micro-image of the camera that lies on the sensor as a whole.
+///
+/// # Errors
+/// [`Error::Io`] if the camera of the folder cannot be read; [`Error::Failed`] if no micro-image of the grid lies on the sensor.
+pub fn grid_score(grid: &LensletGridModel, truth: &Path) -> Result<Vec<NamedQuantity>, Error> {
+    let truth = CameraFile::read_in(&Folder::open(truth)?, CAMERA_TOML)?.camera;
+    let mut rows = Vec::new();
+    if let Ok(own) = LensletGridModel::new(&truth) {
+        let both = |key: &str, name: &str, value: &dyn Fn(&LensletGridModel) -> f64, unit| {
+            NamedQuantity::new(key, format!("{name}: found, true"), List(vec![value(grid), value(&own)]), unit)
+        };
+        rows.push(both("h_spacing_px", "distance of micro-images in a row", &|grid| grid.h_spacing, "px"));
+        rows.push(both("v_spacing_px", "distance of rows", &|grid| grid.v_spacing, "px"));
+        rows.push(both("rotation_deg", "rotation of the grid", &|grid| -grid.rot.to_degrees(), "degrees"));
+    }
+    let (mut spread, size) = (Spread::default(), truth.sensor().size);
+    let reach = truth.micro_image_pitch_px() / 2.0;
+    for center in grid.centers_px() {
+        let expected = truth.micro_image_center_px(truth.owner(truth.place_m(center)));
+        let is_inside = |x: f64, count: usize| x >= reach && x + reach <= count as f64;
+        if is_inside(expected[0], size.columns) && is_inside(expected[1], size.rows) {
+            spread.add((center[0] - expected[0]).hypot(center[1] - expected[1]));
+        }
+    }
+    if spread.count == 0 {
+        return Err(Error::Failed("no micro-image of the grid lies on the sensor of the true camera".into()));
+    }
+    let mut row = |key: &str, name: &str, value, unit| rows.push(NamedQuantity::new(key, name, value, unit));
+    row("microlenses", "microlenses", Count(spread.count), "");
+    row("centers_px", "micro-image centers: error, RMS and largest", List(spread.rms_and_most()), "px");
     Ok(rows)
 }
 

@@ -52,6 +52,7 @@
 //! # prescription = "double-gauss"
 //! # scale_to_focal_mm = 80.0         # all lengths of the prescription scaled
 //! # close_to_f_number = 4.0          # its stop closed
+//! # focus_group = [8, 11]            # the surfaces that move to focus at focus_m; left out: the whole lens does
 //! distortion = { radial_m2 = [0.0, 0.0, 0.0], tangential_m = [0.0, 0.0] }  # of places on the array, in 1/m^2, 1/m^4, 1/m^6
 //! ```
 //!
@@ -63,7 +64,7 @@ use std::path::Path;
 
 use holo_core::meters_to_millimeters;
 use holo_core::plenoptic::{
-    ArrayFocus, LensAperture, MainLens, MicrolensFocus, PlenopticCamera, Preset, PupilShape, presets,
+    ArrayFocus, FocusGroup, LensAperture, MainLens, MicrolensFocus, PlenopticCamera, Preset, PupilShape, presets,
 };
 use holo_core::sensor::{ElectronsAtOne, SensorModel, SensorPreset};
 use prescription::{Beside, surface_lines};
@@ -228,12 +229,8 @@ impl CameraFile {
     /// # Errors
     /// [`Error::Camera`] if the lens cannot be focused there.
     pub fn with_focus_m(self, depth_m: f64) -> Result<Self, Error> {
-        let mut lens = self.camera.main_lens().clone();
-        let virtual_depth = match lens.focus {
-            ArrayFocus::Depth { virtual_depth, .. } => virtual_depth,
-            ArrayFocus::Distance { .. } => 0.0,
-        };
-        lens.focus = ArrayFocus::Depth { depth_m, virtual_depth };
+        let lens = self.camera.main_lens().with_focus(depth_m);
+        let lens = lens.map_err(|why| Error::Camera(format!("main_lens.focus_group: {why}")))?;
         self.with_lens(lens)
     }
 
@@ -352,7 +349,11 @@ fn lens_lines(lens: &MainLens) -> String {
         let (radial, tangential) = (lens.distortion.radial, lens.distortion.tangential);
         line("distortion", format!("{{ radial_m2 = {radial:?}, tangential_m = {tangential:?} }}"));
     }
-    if let Some(prescription) = &lens.prescription {
+    if let Some(FocusGroup { surfaces: [first, last], .. }) = &lens.focus_group {
+        line("focus_group", format!("[{}, {}]", first + 1, last + 1));
+    }
+    let prescription = lens.focus_group.as_ref().map(|group| &group.at_infinity);
+    if let Some(prescription) = prescription.or(lens.prescription.as_ref()) {
         text += &surface_lines(prescription.surfaces(), "main_lens.surface");
     }
     text

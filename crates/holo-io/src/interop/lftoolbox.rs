@@ -1,9 +1,46 @@
 //! The grid of micro-images as the Light Field Toolbox for MATLAB describes it.
 
+use std::path::Path;
+
 use holo_core::plenoptic::{MicrolensGrid, MicrolensIndex, PlenopticCamera};
+use serde::Deserialize;
 use serde_json::json;
 
 use crate::Error;
+use crate::files::limits::read_small_file;
+
+/// The largest file of a grid, bytes: the toolbox writes its options too.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// The most micro-images a row or column: twice those of the largest presets.
+const MOST: usize = 4096;
+
+/// A file `*.grid.json`; other keys are not read.
+#[derive(Deserialize)]
+struct Document {
+    #[serde(rename = "LensletGridModel")]
+    model: Model,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "PascalCase")]
+struct Model {
+    #[serde(rename = "HSpacing")]
+    h_spacing: f64,
+    #[serde(rename = "VSpacing")]
+    v_spacing: f64,
+    #[serde(rename = "HOffset")]
+    h_offset: f64,
+    #[serde(rename = "VOffset")]
+    v_offset: f64,
+    rot: f64,
+    #[serde(rename = "UMax")]
+    u_max: f64,
+    #[serde(rename = "VMax")]
+    v_max: f64,
+    orientation: String,
+    first_pos_shift_row: f64,
+}
 
 /// `LensletGridModel` of the Light Field Toolbox (LFToolbox 0.5): what its `LFBuildLensletGridModel` estimates from a white
 /// image, here from the camera itself; of a tilted array that around its origin.
@@ -27,8 +64,8 @@ pub struct LensletGridModel {
     pub u_max: usize,
     /// Rows.
     pub v_max: usize,
-    /// Whether every second row, from the second on, is shifted by half a spacing.
-    pub is_hexagonal: bool,
+    /// The row, counted from 1, from which on every second one is shifted by half a spacing; beyond the last one in a square grid.
+    pub first_pos_shift_row: usize,
 }
 
 impl LensletGridModel {
@@ -73,13 +110,49 @@ impl LensletGridModel {
             return Err(Error::Camera("no row of micro-images lies on the sensor".into()));
         }
         let (u_max, v_max) = (u_max as usize, v_max as usize);
-        Ok(Self { h_spacing, v_spacing, h_offset, v_offset, rot: -array.rotation_rad, u_max, v_max, is_hexagonal })
+        let (rot, first_pos_shift_row) = (-array.rotation_rad, if is_hexagonal { 2 } else { v_max + 1 });
+        Ok(Self { h_spacing, v_spacing, h_offset, v_offset, rot, u_max, v_max, first_pos_shift_row })
     }
 
-    /// Returns the row from which on every second one is shifted, counted from 1; beyond the last one in a square grid.
+    /// Reads the file `*.grid.json` that [`to_json`](Self::to_json) or the toolbox's `LFUtilProcessWhiteImages` writes.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be read; [`Error::Broken`] if it has no grid of rows, or numbers that are none.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let broken = |what: String| Error::Broken { path: path.into(), format: "LFToolbox grid", what };
+        let bytes = read_small_file(path, MAX_BYTES)?;
+        let Document { model } = serde_json::from_slice(&bytes).map_err(|why| broken(why.to_string()))?;
+        if model.orientation != "horz" {
+            let name = crate::shown(&model.orientation);
+            return Err(broken(format!("Orientation is '{name}'; grids of rows, 'horz', are read")));
+        }
+        let count = |key: &str, count: f64| match count.fract() == 0.0 && (1.0..=MOST as f64).contains(&count) {
+            true => Ok(count as usize),
+            false => Err(broken(format!("{key} is {count}; it is a number from 1 to {MOST}"))),
+        };
+        let (u_max, v_max) = (count("UMax", model.u_max)?, count("VMax", model.v_max)?);
+        for (key, spacing) in [("HSpacing", model.h_spacing), ("VSpacing", model.v_spacing)] {
+            if !(spacing.is_finite() && spacing >= 1.0) {
+                return Err(broken(format!("{key} is {spacing}; micro-images are one pixel apart or more")));
+            }
+        }
+        let first_pos_shift_row = count("FirstPosShiftRow", model.first_pos_shift_row)?;
+        let Model { h_spacing, v_spacing, h_offset, v_offset, rot, .. } = model;
+        Ok(Self { h_spacing, v_spacing, h_offset, v_offset, rot, u_max, v_max, first_pos_shift_row })
+    }
+
+    /// Returns the centers of the micro-images, to the right and down, in pixels; that of the first pixel is 0.5.
     #[must_use]
-    pub fn first_pos_shift_row(&self) -> usize {
-        if self.is_hexagonal { 2 } else { self.v_max + 1 }
+    pub fn centers_px(&self) -> Vec<[f64; 2]> {
+        let (sin, cos) = self.rot.sin_cos();
+        let center = |v: usize, u: usize| {
+            let is_shifted = (v + 1).checked_sub(self.first_pos_shift_row).is_some_and(|rows| rows.is_multiple_of(2));
+            let x = (u as f64 + if is_shifted { 0.5 } else { 0.0 }) * self.h_spacing;
+            let y = v as f64 * self.v_spacing;
+            [cos * x - sin * y + self.h_offset - 0.5, sin * x + cos * y + self.v_offset - 0.5]
+        };
+        (0..self.v_max).flat_map(|v| (0..self.u_max).map(move |u| center(v, u))).collect()
     }
 
     /// Returns the file `*.grid.json` that `LFReadMetadata` reads.
@@ -89,7 +162,7 @@ impl LensletGridModel {
             "HSpacing": self.h_spacing, "VSpacing": self.v_spacing,
             "HOffset": self.h_offset, "VOffset": self.v_offset,
             "Rot": self.rot, "UMax": self.u_max, "VMax": self.v_max,
-            "Orientation": "horz", "FirstPosShiftRow": self.first_pos_shift_row(),
+            "Orientation": "horz", "FirstPosShiftRow": self.first_pos_shift_row,
         });
         format!("{:#}\n", json!({ "LensletGridModel": model }))
     }
@@ -97,7 +170,7 @@ impl LensletGridModel {
     /// Returns a MATLAB script that decodes `raw.png` and `white.png` beside it to the light field `LF(t, s, v, u, c)`.
     #[must_use]
     pub fn script(&self) -> String {
-        let method = if self.is_hexagonal { "fast" } else { "none" };
+        let method = if self.first_pos_shift_row <= self.v_max { "fast" } else { "none" };
         format!(
             "% Decodes raw.png to LF(t,s,v,u,c) with LFToolbox 0.5 on the path: run in this folder.\n\
              Raw = imread('raw.png');\n\
@@ -118,7 +191,7 @@ impl LensletGridModel {
             self.rot,
             self.u_max,
             self.v_max,
-            self.first_pos_shift_row()
+            self.first_pos_shift_row
         )
     }
 }
@@ -136,16 +209,26 @@ mod tests {
             let model = LensletGridModel::new(&camera).unwrap();
             assert!(model.h_offset >= 1.0 && model.h_offset < 1.0 + 1.5 * model.h_spacing, "{name} {model:?}");
             assert!(model.v_offset >= 1.0 && model.v_offset < 1.0 + 2.5 * model.v_spacing, "{name} {model:?}");
-            let (sin, cos) = model.rot.sin_cos();
-            for (v, u) in [(0, 0), (1, 0), (model.v_max - 1, model.u_max - 1), (model.v_max / 2, model.u_max / 3)] {
-                let is_shifted =
-                    v + 1 >= model.first_pos_shift_row() && (v + 1 - model.first_pos_shift_row()).is_multiple_of(2);
-                let x = (u as f64 + if is_shifted { 0.5 } else { 0.0 }) * model.h_spacing;
-                let y = v as f64 * model.v_spacing;
-                let at = [cos * x - sin * y + model.h_offset - 0.5, sin * x + cos * y + model.v_offset - 0.5];
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("white.grid.json");
+            std::fs::write(&path, model.to_json()).unwrap();
+            assert_eq!(LensletGridModel::read(&path).unwrap(), model);
+            let centers = model.centers_px();
+            assert_eq!(centers.len(), model.u_max * model.v_max);
+            for at in centers {
                 let nearest = camera.micro_image_center_px(camera.owner(camera.place_m(at)));
                 let away = (at[0] - nearest[0]).hypot(at[1] - nearest[1]);
                 assert!(away < 1e-6, "{name}: {at:?} {nearest:?}");
+            }
+            for (from, to, what) in [
+                ("\"horz\"", "\"vert\"", "Orientation"),
+                ("\"UMax\": ", "\"UMax\": 0.5e9, \"x\": ", "UMax"),
+                ("\"HSpacing\": ", "\"HSpacing\": -1.0, \"x\": ", "HSpacing"),
+                ("\"Rot\"", "\"rot\"", "Rot"),
+            ] {
+                std::fs::write(&path, model.to_json().replace(from, to)).unwrap();
+                let why = LensletGridModel::read(&path).unwrap_err().to_string();
+                assert!(why.contains(what) && why.contains("white.grid.json"), "{why}");
             }
         }
         let turned = "preset = \"lytro-illum\"\n[mla]\nrotation_deg = 180.0";

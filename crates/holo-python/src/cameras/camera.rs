@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use holo_core::GridSize;
 use holo_core::plenoptic::{Calibration, presets};
 use holo_io::CameraFile;
+use holo_io::interop::LensletGridModel;
 use ndarray::Array1;
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
@@ -152,6 +153,20 @@ impl PlenopticCamera {
     /// `holo eval-calibration --json` names it.
     fn score<'py>(&self, py: Python<'py>, truth: std::path::PathBuf) -> Result<Bound<'py, PyAny>, Failure> {
         let rows = py.detach(|| holo_dataset::calibration_score(&self.0, &truth))?;
+        give_quantities(py, rows)
+    }
+
+    /// Scores a grid of micro-images, `*.grid.json` of LFToolbox, against the folder of `holo target` that `truth` names.
+    #[staticmethod]
+    fn score_grid<'py>(
+        py: Python<'py>,
+        grid: std::path::PathBuf,
+        truth: std::path::PathBuf,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let rows = py.detach(|| {
+            let grid = LensletGridModel::read(grid)?;
+            holo_dataset::grid_score(&grid, &truth)
+        })?;
         give_quantities(py, rows)
     }
 

@@ -11,6 +11,9 @@ const CHIEF_NODES: usize = 257;
 /// The number of directions along half of the edge of the light.
 const DIRECTIONS: usize = 65;
 
+/// The number of directions along half of a disc at which nothing outside of it is lit.
+const TIPS: u32 = 512;
+
 /// The most that the distance of the exit pupil changes from a place to the next.
 const MOST_CHANGE: f64 = 0.1;
 
@@ -133,11 +136,15 @@ impl FieldTable {
     pub fn field(&self, squared_m: f64) -> Field {
         let (k, rest) = self.at(squared_m);
         let (low, high) = (self.nodes[k].field, self.nodes[k + 1].field);
+        let exit_m = self.exit_at_m(squared_m);
+        // Angles change less from place to place than lengths in planes that lie elsewhere.
+        let [radii, inner] = [[low.radius_m, high.radius_m], [low.inner_m, high.inner_m]]
+            .map(|[a, b]| [exit_m / low.exit_m * a, exit_m / high.exit_m * b]);
         Field {
-            exit_m: self.exit_at_m(squared_m),
+            exit_m,
             center_m: self.center_m(k, rest),
-            radius_m: low.radius_m.max(high.radius_m),
-            inner_m: low.inner_m.min(high.inner_m),
+            radius_m: radii[0].max(radii[1]),
+            inner_m: inner[0].min(inner[1]),
         }
     }
 
@@ -313,18 +320,15 @@ impl Beam<'_> {
             ray.clearance[0] >= 0.0
         };
         let wide = 3.0 * radius_m;
-        let edges = |from: f64| -> Vec<f64> {
-            let edge = |j: usize| {
-                let [cos, sin] = unit(j);
-                let (mut lit, mut dark) = (0.0, wide);
-                while dark - lit > 1e-7 * radius_m {
-                    let middle = (lit + dark) / 2.0;
-                    if is_lit(from + middle * cos, middle * sin) { lit = middle } else { dark = middle }
-                }
-                lit
-            };
-            (0..DIRECTIONS).map(edge).collect()
+        let edge = |from: f64, [cos, sin]: [f64; 2], mut lit: f64| {
+            let mut dark = wide;
+            while dark - lit > 1e-7 * radius_m {
+                let middle = (lit + dark) / 2.0;
+                if is_lit(from + middle * cos, middle * sin) { lit = middle } else { dark = middle }
+            }
+            lit
         };
+        let edges = |from: f64| -> Vec<f64> { (0..DIRECTIONS).map(|j| edge(from, unit(j), 0.0)).collect() };
         let inside = std::iter::once(0.0)
             .chain((1..=200).flat_map(|k| [-1.0, 1.0].map(|sign| sign * wide * f64::from(k) / 200.0)));
         let Some(from) = inside.into_iter().find(|&x| is_lit(x, 0.0)) else {
@@ -348,6 +352,14 @@ impl Beam<'_> {
             if farthest(left) < farthest(right) { high = right } else { low = left }
         }
         let center_m = (low + high) / 2.0;
+        let mut disc_m = farthest(center_m) + MARGIN * radius_m;
+        // The tip of a cat's eye may lie between two directions.
+        for k in 1..TIPS {
+            let (sin, cos) = (std::f64::consts::PI * f64::from(k) / f64::from(TIPS)).sin_cos();
+            if is_lit(center_m + disc_m * cos, disc_m * sin) {
+                disc_m = edge(center_m, [cos, sin], disc_m) + MARGIN * radius_m;
+            }
+        }
         let edge_m = edges(center_m);
         let inner = |(edge, j): (&f64, usize)| {
             let [cos, sin] = unit(j);
@@ -356,7 +368,7 @@ impl Beam<'_> {
         let nearest = edge_m.iter().zip(0..).map(inner).fold(f64::INFINITY, f64::min);
         let inner_m = if is_lit(0.0, 0.0) { nearest - MARGIN * radius_m } else { -1.0 };
         Node {
-            field: Field { exit_m: own_exit_m, center_m, radius_m: farthest(center_m) + MARGIN * radius_m, inner_m },
+            field: Field { exit_m: own_exit_m, center_m, radius_m: disc_m, inner_m },
             shape: EdgeShape::of(&edge_m),
             edge_m,
         }

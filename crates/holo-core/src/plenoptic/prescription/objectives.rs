@@ -68,6 +68,25 @@ const OBJECTIVES: &[Objective] = &[
         ],
     },
     Objective {
+        name: "double-gauss-baker",
+        // The patent has neither apertures nor the place of the stop, which its drawing shows in the middle of the central space.
+        about: "double Gauss, f/2: J. G. Baker, US patent 2,532,751 (Perkin-Elmer, 1950)",
+        focal_length_m: 50e-3,
+        rows: &[
+            [0.578, 0.088, 0.34, 1.617, 55.0],
+            [1.896, 0.003, 0.34, 1.0, 0.0],
+            [0.351, 0.125, 0.265, 1.611, 57.2],
+            [0.0, 0.038, 0.265, 1.605, 38.0],
+            [0.216, 0.141, 0.19, 1.0, 0.0],
+            [0.0, 0.141, 0.1594, 0.0, 0.0],
+            [-0.272, 0.038, 0.19, 1.605, 38.0],
+            [0.0, 0.109, 0.235, 1.62, 60.3],
+            [-0.352, 0.003, 0.235, 1.0, 0.0],
+            [5.902, 0.069, 0.245, 1.62, 60.3],
+            [-0.635, 0.0, 0.245, 1.0, 0.0],
+        ],
+    },
+    Objective {
         name: "double-gauss-fast",
         about: "double Gauss of eight elements, f/1.1: P. Angenieux, US patent 2,701,982 (1955)",
         focal_length_m: 50e-3,
@@ -158,6 +177,21 @@ const OBJECTIVES: &[Objective] = &[
             [-111.3, 1.1, 8.61, 1.5211, 51.0],
             [25.2, 3.0, 8.61, 1.61132, 57.0],
             [-36.7, 0.0, 8.61, 1.0, 0.0],
+        ],
+    },
+    Objective {
+        name: "triplet",
+        // The patent has neither apertures nor the place of the stop.
+        about: "triplet, f/2.7: Pestrecov, US patent 2,453,260 (1948)",
+        focal_length_m: 100e-3,
+        rows: &[
+            [40.94, 8.74, 20.0, 1.617, 55.0],
+            [0.0, 11.05, 20.0, 1.0, 0.0],
+            [-55.65, 2.78, 16.0, 1.649, 33.8],
+            [39.75, 3.8, 15.0, 1.0, 0.0],
+            [0.0, 3.83, 14.14, 0.0, 0.0],
+            [107.56, 9.54, 17.0, 1.617, 55.0],
+            [-43.33, 0.0, 17.0, 1.0, 0.0],
         ],
     },
 ];

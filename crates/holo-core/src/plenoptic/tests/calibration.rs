@@ -77,6 +77,7 @@ fn the_array_is_found() {
             let fold = if grid == MicrolensGrid::Square { 90.0 } else { 60.0 };
             let turned = (of.rotation_rad - truth.array().rotation_rad).to_degrees();
             assert!((turned - fold * (turned / fold).round()).abs() < 0.02, "{turned}");
+            assert_eq!(of.tilt_rad, [0.0; 2]);
             // Noise moves single centers, not their lattice.
             assert!(found.count > 20 && (amplitude > 0.0 || found.rms_px < most), "{found:?}");
         }
@@ -106,6 +107,47 @@ fn vignetting_is_that_of_the_camera() {
     let nominal = of(MicrolensArray::new(MicrolensGrid::HexRows, 64e-6, 3e-4));
     let found = nominal.calibrated(white.view()).unwrap().unwrap();
     assert!(off_px(&truth, &found.camera) < 0.06, "{} {found:?}", off_px(&truth, &found.camera));
+}
+
+/// An array that is tilted against the sensor: micro-images grow over it.
+#[test]
+fn the_tilt_is_found() {
+    let of = |grid: MicrolensGrid, tilt_rad: [f64; 2], offset_m: [f64; 2]| {
+        let mut array = MicrolensArray::new(grid, 62.3e-6, 3e-4);
+        (array.tilt_rad, array.offset_m) = (tilt_rad, offset_m);
+        let sensor = ImageSensor::new(GridSize::new(SIZE[0], SIZE[1]), 4.4e-6);
+        // A pupil so near that a tilt shows within 3 mm.
+        let lens = MainLens { exit_pupil_m: Some(20e-3), ..MainLens::new(0.05, 15.0, 2.0) };
+        PlenopticCamera::new(sensor, array, lens).unwrap()
+    };
+    for (grid, tilt_rad) in [
+        (MicrolensGrid::Square, [0.03, -0.02]),
+        (MicrolensGrid::HexRows, [-0.01, 0.04]),
+        (MicrolensGrid::HexColumns, [0.0, 0.03]),
+    ] {
+        let truth = of(grid, tilt_rad, [13e-6, -21e-6]);
+        let white = truth.white_image().unwrap();
+        for (amplitude, most_px, most_rad) in [(0.0, 0.05, 1.5e-3), (0.1, 0.1, 4e-3)] {
+            let found = of(grid, [0.0; 2], [0.0; 2]).calibrated(with_noise(&white, amplitude).view()).unwrap().unwrap();
+            let away = off_px(&truth, &found.camera);
+            assert!(away < most_px, "{grid:?} {tilt_rad:?} {amplitude}: {away} {found:?}");
+            for (found, expected) in found.camera.array().tilt_rad.into_iter().zip(tilt_rad) {
+                assert!((found - expected).abs() < most_rad, "{grid:?} {tilt_rad:?} {amplitude}: {found} {expected}");
+            }
+        }
+    }
+}
+
+/// Behind a closed aperture a sixteenth of the sensor is lit.
+#[test]
+fn small_micro_images_are_found() {
+    let mut array = MicrolensArray::new(MicrolensGrid::Square, 176e-6, 9e-4);
+    array.offset_m = [13e-6, -21e-6];
+    let truth = camera(array, 20.0);
+    let nominal = camera(MicrolensArray::new(MicrolensGrid::Square, 180e-6, 9e-4), 20.0);
+    let found = nominal.calibrated(truth.white_image().unwrap().view()).unwrap().expect("a lattice");
+    assert!(off_px(&truth, &found.camera) < 0.05, "{} {found:?}", off_px(&truth, &found.camera));
+    assert!(found.count > 100 && found.rms_px < 0.05, "{found:?}");
 }
 
 /// Nothing is known but the pixels: centers and radii are found all the same.

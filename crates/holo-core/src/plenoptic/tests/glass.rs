@@ -20,7 +20,16 @@ fn tilted(name: &str, f_number: Option<f64>, tilt_rad: f64) -> PlenopticCamera {
     PlenopticCamera::new(sensor, array, MainLens::of_glass(lens, focus)).expect("a camera")
 }
 
-const NAMES: [&str; 6] = ["double-gauss", "double-gauss-fast", "petzval", "retrofocus", "telephoto", "tessar"];
+const NAMES: [&str; 8] = [
+    "double-gauss",
+    "double-gauss-baker",
+    "double-gauss-fast",
+    "petzval",
+    "retrofocus",
+    "telephoto",
+    "tessar",
+    "triplet",
+];
 
 /// Light passes nowhere outside of the discs that rays are sampled in, and where the table says so.
 #[test]
@@ -119,6 +128,7 @@ fn glass_is_thin_near_the_axis() {
         let camera = behind(name, None);
         let thin = MainLens {
             prescription: None,
+            focus_group: None,
             focus: ArrayFocus::Distance { mla_distance_m: camera.mla_distance_m() },
             ..camera.main_lens().clone()
         };
@@ -411,7 +421,7 @@ fn discs_hold_the_last_light() {
                 lit += 1;
             }
         }
-        assert!(lit > 300 && dark > 300, "{name}: {lit} {dark}");
+        assert!(lit > 300 && dark > 100, "{name}: {lit} {dark}");
     }
 }
 

@@ -18,8 +18,11 @@ pub(super) enum Poses {
 }
 
 /// How far free boards are turned about their rows and columns, and in their plane, degrees.
-const TILT_DEG: f64 = 30.0;
+pub(super) const TILT_DEG: f64 = 30.0;
 const TURN_DEG: f64 = 15.0;
+
+/// The number of all poses.
+pub(super) const COUNT: usize = 42;
 
 impl Poses {
     pub const ALL: [Self; 3] = [Self::Boards, Self::HeldOut, Self::Sweep];
@@ -82,7 +85,7 @@ impl Poses {
 /// # Source
 ///
 /// Roberts, "The unreasonable effectiveness of quasirandom sequences" (2018): powers of the inverse of the root of x^7 = x + 1.
-fn spread(number: usize) -> [f64; 6] {
+pub(super) fn spread(number: usize) -> [f64; 6] {
     const ROOT: f64 = 1.112_775_684_278_706;
     std::array::from_fn(|k| (0.5 + (number + 1) as f64 * ROOT.powi(-(k as i32 + 1))).fract())
 }

@@ -1,8 +1,8 @@
 //! The tables of a camera file, and the parts of a camera that they describe: those of a preset where keys are left out.
 
 use holo_core::plenoptic::{
-    ArrayFocus, Distortion, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid, PlenopticCamera,
-    Prescription, PupilShape, Stop,
+    ArrayFocus, Distortion, FocusGroup, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid,
+    PlenopticCamera, Prescription, PupilShape, Stop,
 };
 use holo_core::{meters_to_millimeters, millimeters_to_meters};
 use serde::Deserialize;
@@ -54,6 +54,7 @@ pub(super) struct MainLensTable {
     prescription: Option<String>,
     scale_to_focal_mm: Option<f64>,
     close_to_f_number: Option<f64>,
+    focus_group: Option<[usize; 2]>,
     surface: Option<Vec<SurfaceTable>>,
 }
 
@@ -154,7 +155,7 @@ impl MainLensTable {
         let base = base.map(PlenopticCamera::main_lens);
         if let Some(prescription) = self.prescription(beside)? {
             // The focus of a preset is that of its own lens.
-            return Ok(MainLens::of_glass(prescription, self.focus(None)?));
+            return self.lens_of_glass(prescription, self.focus(None)?);
         }
         let millimeters =
             |key: &str, value: Option<f64>| value.map(|mm| positive(key, mm).map(millimeters_to_meters)).transpose();
@@ -185,8 +186,8 @@ impl MainLensTable {
             (None, base) => base.map(|base| base.distortion).unwrap_or_default(),
         };
         let focus = self.focus(base)?;
-        let prescription = None;
-        Ok(MainLens { focal_length_m, f_number, focus, exit_pupil_m, aperture, stops, distortion, prescription })
+        let thin = MainLens::new(focal_length_m, f_number, 1.0);
+        Ok(MainLens { focus, exit_pupil_m, aperture, stops, distortion, ..thin })
     }
 
     /// The lens of glass, if the table describes one.
@@ -194,9 +195,12 @@ impl MainLensTable {
         let mut found = match (&self.prescription, &self.surface) {
             (Some(_), Some(_)) => return Err("main_lens.prescription and main_lens.surface: give one of them".into()),
             (None, None) => {
-                let keys =
-                    [("scale_to_focal_mm", self.scale_to_focal_mm), ("close_to_f_number", self.close_to_f_number)];
-                return match keys.iter().find(|(_, value)| value.is_some()) {
+                let keys = [
+                    ("scale_to_focal_mm", self.scale_to_focal_mm.is_some()),
+                    ("close_to_f_number", self.close_to_f_number.is_some()),
+                    ("focus_group", self.focus_group.is_some()),
+                ];
+                return match keys.iter().find(|(_, is_given)| *is_given) {
                     Some((key, _)) => Err(format!("main_lens.{key} belongs to a prescription, which is not given")),
                     None => Ok(None),
                 };
@@ -228,6 +232,23 @@ impl MainLensTable {
             found = found.stopped_down(f_number).map_err(|why| format!("main_lens.close_to_f_number: {why}"))?;
         }
         Ok(Some(found))
+    }
+
+    /// The lens of glass, focused as a whole or by a group of its surfaces.
+    fn lens_of_glass(&self, lens: Prescription, focus: ArrayFocus) -> Result<MainLens, String> {
+        const KEY: &str = "main_lens.focus_group";
+        let Some([first, last]) = self.focus_group else { return Ok(MainLens::of_glass(lens, focus)) };
+        let ArrayFocus::Depth { depth_m, virtual_depth } = focus else {
+            return Err(format!("{KEY} belongs to main_lens.focus_m, which is not given"));
+        };
+        let count = lens.surfaces().len();
+        if first < 1 || last < first || last > count {
+            return Err(format!(
+                "{KEY} is [{first}, {last}]; give the first and the last surface that move, of 1 to {count} from the scene"
+            ));
+        }
+        let group = FocusGroup { surfaces: [first - 1, last - 1], at_infinity: lens };
+        MainLens::of_glass_with_group(group, depth_m, virtual_depth).map_err(|why| format!("{KEY}: {why}"))
     }
 
     /// Where the lens is focused.

@@ -68,6 +68,36 @@ fn written_prescriptions_are_read_again() {
     assert!(closed.with_f_number(1.0).unwrap_err().to_string().contains("open lens"));
 }
 
+/// A group of surfaces focuses: the array stays as far from the front of the lens, in every way of focusing it.
+#[test]
+fn groups_of_surfaces_focus() {
+    let of = |focus_m: f64| {
+        let text = format!(
+            "[sensor]\nsize_px = [90, 60]\npixel_um = 10.0\n[mla]\ngrid = \"square\"\npitch_um = 100.0\ngap_um = 400.0\n\
+             [main_lens]\nprescription = \"telephoto\"\nfocus_group = [8, 11]\nfocus_m = {focus_m:?}\n"
+        );
+        super::super::CameraFile::parse(&text, "").unwrap()
+    };
+    let [near, far] = [of(4.0), of(f64::INFINITY)];
+    let front_m = |file: &super::super::CameraFile| {
+        let paraxial = *file.camera.main_lens().prescription.as_ref().unwrap().paraxial();
+        file.camera.mla_distance_m() + paraxial.rear_principal_m + paraxial.length_m
+    };
+    assert!((front_m(&near) - front_m(&far)).abs() < 1e-12);
+    assert!((near.camera.inverse_focus_per_m() - 0.25).abs() < 1e-9);
+    assert!(near.camera.main_lens().focal_length_m < 0.97 * far.camera.main_lens().focal_length_m);
+    assert_eq!(far.clone().with_focus_m(4.0).unwrap().camera, near.camera);
+    assert_eq!(near.clone().with_focus_m(f64::INFINITY).unwrap().camera, far.camera);
+    assert!(near.clone().with_focus_m(0.3).unwrap_err().to_string().contains("focus_group"));
+    let text = near.to_toml();
+    let again = super::super::CameraFile::parse(&text, "").unwrap();
+    assert!(text.contains("focus_group = [8, 11]\n") && again.to_toml() == text, "{text}");
+    let closed = near.with_f_number(8.0).unwrap();
+    assert!((closed.camera.main_lens().f_number - 8.0).abs() < 1e-12);
+    let wide = closed.with_focus_m(4.0).unwrap();
+    assert!((wide.camera.main_lens().f_number - 8.0).abs() < 1e-12);
+}
+
 /// Files that a camera file of a stranger names lie beside it, and wrong ones are named.
 #[test]
 fn bad_prescriptions_name_the_place() {
@@ -95,6 +125,10 @@ fn bad_prescriptions_name_the_place() {
         ("[[main_lens.surface]]\nsemi_aperture_mm = 1.0\nmaterial = \"N-BK77\"", "did you mean N-BK7"),
         ("[[main_lens.surface]]\nsemi_aperture_mm = 1.0\nradius = 2.0", "radius_mm"),
         ("scale_to_focal_mm = 50.0\nfocal_mm = 3.0\nf_number = 2.0", "belongs to a prescription"),
+        ("focus_group = [1, 2]\nfocal_mm = 3.0\nf_number = 2.0", "belongs to a prescription"),
+        ("prescription = \"telephoto\"\nfocus_group = [0, 2]", "of 1 to 11"),
+        ("prescription = \"telephoto\"\nfocus_group = [3, 30]", "of 1 to 11"),
+        ("prescription = \"telephoto\"\nfocus_group = [9, 11]", "as a whole"),
     ] {
         let error = camera(lens).expect_err(lens).to_string();
         assert!(error.contains(what), "{lens}: {error}");
