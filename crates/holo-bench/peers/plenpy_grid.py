@@ -1,10 +1,10 @@
 """The grid of micro-images that plenpy finds in a white image of a hexagonal array, as LFToolbox writes grids, for
 `holo eval-calibration WHITE.grid.json --truth DIR`.
 
-    pip install plenpy==0.9.2
+    pip install plenpy==0.9 imageio==2.9.0 torch torchvision     # it imports both, which grids do not need
     python plenpy_grid.py WHITE.png PITCH_PX GAP_MM IMAGE_DISTANCE_MM METHOD > WHITE.grid.json
 
-The numbers are those of the data sheet: the pitch of micro-images, the gap, and the distance of the exit pupil from the array. METHOD is
+WHITE.png has 8 bits of RGB, as in `white/compote` of the calibration benchmark. The numbers are those of the data sheet: the pitch of micro-images, the gap, and the distance of the exit pupil from the array. METHOD is
 `own`, plenpy's, or `dans`, its version of LFToolbox's.
 """
 

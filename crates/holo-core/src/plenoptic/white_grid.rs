@@ -19,6 +19,10 @@ const FEWEST_TILES: usize = 6;
 /// The least part of the light of a tile that has the period of the array.
 const LEAST_CONTRAST: f64 = 0.02;
 
+/// Light above this part of what is usual in a tile does not count: the edges of micro-images tell where they lie, not how light falls off
+/// within them, which depends on a pupil that may not be known.
+const USUAL: f64 = 0.5;
+
 /// How far the micro-images of a white image lie from those of a camera: a grid of another pitch, rotation and place.
 ///
 /// # Units
@@ -53,6 +57,8 @@ pub(super) struct Displacement {
 struct Tile {
     place_px: [f64; 2],
     shift_px: [f64; 2],
+    /// The same by the edges of micro-images; `None` where they touch each other.
+    of_edges_px: Option<[f64; 2]>,
     /// Two steps of the grid.
     steps_px: [[f64; 2]; 2],
 }
@@ -124,7 +130,11 @@ impl PlenopticCamera {
                 let of = |image: ArrayView2<f32>| self.tile(image, band.start, [x(column), y]);
                 let (found, expected) = (of(found), of(own.view()));
                 let (found, expected) = (found?, expected?);
-                Some(Tile { shift_px: [0, 1].map(|k| found.shift_px[k] - expected.shift_px[k]), ..found })
+                let [found_px, expected_px] = match (found.of_edges_px, expected.of_edges_px) {
+                    (Some(found), Some(expected)) => [found, expected],
+                    _ => [found.shift_px, expected.shift_px],
+                };
+                Some(Tile { shift_px: [0, 1].map(|k| found_px[k] - expected_px[k]), ..found })
             };
             tiles.push((0..counts[0]).map(tile).collect());
         }
@@ -159,9 +169,16 @@ impl PlenopticCamera {
         if !is_inside(0) || !is_inside(1) {
             return None;
         }
-        let (mut sums, mut all) = ([[0.0_f64; 2]; 2], 0.0);
         let range =
             |axis: usize| (center[axis] - radius) as usize..((center[axis] + radius) as usize + 1).min(ends[axis].end);
+        let light = |row: usize, column: usize| f64::from(white[[row - first_row, column]]);
+        let (mut first, mut second) = (0.0, 0.0);
+        for (row, column) in range(1).flat_map(|row| range(0).map(move |column| (row, column))) {
+            first += light(row, column);
+            second += light(row, column).powi(2);
+        }
+        let most = if first > 0.0 { USUAL * second / first } else { 0.0 };
+        let (mut raw, mut cut) = (Phases::default(), Phases::default());
         for row in range(1) {
             for column in range(0) {
                 let away = [column as f64 + 0.5 - center[0], row as f64 + 0.5 - center[1]];
@@ -169,20 +186,39 @@ impl PlenopticCamera {
                     let cosine = (std::f64::consts::FRAC_PI_2 * (x / radius).clamp(-1.0, 1.0)).cos();
                     cosine * cosine
                 };
-                let light = f64::from(white[[row - first_row, column]]) * window(away[0]) * window(away[1]);
-                all += light;
-                for (sum, frequency) in sums.iter_mut().zip(frequencies) {
-                    let (sin, cos) = (frequency[0] * away[0] + frequency[1] * away[1]).sin_cos();
-                    sum[0] += light * cos;
-                    sum[1] += light * sin;
-                }
+                let weight = window(away[0]) * window(away[1]);
+                let waves = frequencies.map(|frequency| (frequency[0] * away[0] + frequency[1] * away[1]).sin_cos());
+                raw.add(light(row, column) * weight, waves);
+                cut.add(light(row, column).min(most) * weight, waves);
             }
         }
-        let is_clear = sums.iter().all(|[x, y]| x.hypot(*y) > LEAST_CONTRAST * all);
+        let shift_px = raw.shift_px(steps_px)?;
+        Some(Tile { place_px: center, shift_px, of_edges_px: cut.shift_px(steps_px), steps_px })
+    }
+}
+
+/// The phases of light at the two frequencies of a grid.
+#[derive(Default)]
+struct Phases {
+    sums: [[f64; 2]; 2],
+    all: f64,
+}
+
+impl Phases {
+    fn add(&mut self, light: f64, waves: [(f64, f64); 2]) {
+        self.all += light;
+        for (sum, (sin, cos)) in self.sums.iter_mut().zip(waves) {
+            sum[0] += light * cos;
+            sum[1] += light * sin;
+        }
+    }
+
+    /// The displacement of a grid of these steps; `None` if the light has not its period.
+    fn shift_px(&self, steps_px: [[f64; 2]; 2]) -> Option<[f64; 2]> {
+        let is_clear = self.sums.iter().all(|[x, y]| x.hypot(*y) > LEAST_CONTRAST * self.all);
         // The part of a step, from -1/2 to 1/2, along each of them.
-        let parts = sums.map(|[x, y]| y.atan2(x) / std::f64::consts::TAU);
-        let shift_px = [0, 1].map(|axis| parts[0] * steps_px[0][axis] + parts[1] * steps_px[1][axis]);
-        is_clear.then_some(Tile { place_px: center, shift_px, steps_px })
+        let parts = self.sums.map(|[x, y]| y.atan2(x) / std::f64::consts::TAU);
+        is_clear.then(|| [0, 1].map(|axis| parts[0] * steps_px[0][axis] + parts[1] * steps_px[1][axis]))
     }
 }
 
