@@ -308,6 +308,30 @@ def test_the_calibration_benchmark_names_its_cameras(tmp_path):
         holo.calibration_benchmark(tmp_path / "out", cameras=["r13"])
 
 
+def test_grids_that_other_programs_find_are_scored(tmp_path):
+    """A grid as LFToolbox writes it, moved by half a pixel, against the camera of a folder."""
+    text = (
+        '[sensor]\nsize_px = [180, 120]\npixel_um = 10.0\n[mla]\ngrid = "square"\npitch_um = 100.0\ngap_um = 400.0\n'
+        '[main_lens]\nprescription = "telephoto"\nfocus_group = [8, 11]\nfocus_m = 5.0\n'
+    )
+    (tmp_path / "camera.toml").write_text(text)
+    camera = holo.PlenopticCamera.open(str(tmp_path / "camera.toml"))
+    assert camera.optics()["focus_distance_m"] == pytest.approx(5.0)
+    centers, pitch = camera.micro_images(), camera.optics()["micro_image_pitch_px"]
+    inside = (centers["x"] > 0) & (centers["y"] > 0)
+    grid = {
+        "HSpacing": pitch, "VSpacing": pitch, "Rot": 0.0, "Orientation": "horz", "FirstPosShiftRow": 13, "UMax": 17,
+        "VMax": 11, "HOffset": centers["x"][inside].min() + 1.0, "VOffset": centers["y"][inside].min() + 0.5,
+    }
+    path = tmp_path / "white.grid.json"
+    path.write_text(json.dumps({"LensletGridModel": grid}))
+    score = holo.PlenopticCamera.score_grid(path, tmp_path)
+    # Behind glass micro-images lie on no lattice.
+    assert score["microlenses"] > 100 and score["centers_px"][0] == pytest.approx(0.5, abs=0.05)
+    with pytest.raises(holo.Error, match="nowhere"):
+        holo.PlenopticCamera.score_grid(tmp_path / "nowhere.json", tmp_path)
+
+
 def test_lytro_files_are_those_that_imageio_reads(tmp_path):
     """A container of an Illum as imageio reads it: its codes, and what they decode to."""
     imageio = pytest.importorskip("imageio.v2")

@@ -12,8 +12,8 @@ impl Prescription {
     /// Returns the same lens with a group of its surfaces moved along the axis, so that it images a depth to where this lens images
     /// what is infinitely far: the sensor and the other surfaces stay. Of several such places the nearest is taken.
     ///
-    /// `group` are the first and the last surface that move, counted from 0 from the scene; `depth_m` is counted from the entrance
-    /// pupil. Surfaces touch neither vertex of their neighbors; their rims are not looked at.
+    /// `group` has the first and the last surface that move, counted from 0 from the scene; `depth_m` is counted from the entrance
+    /// pupil. The space before and behind the group bounds the movement on the axis. Whether rims touch is not checked.
     ///
     /// # Errors
     ///
