@@ -391,6 +391,15 @@ mod tests {
         assert!(unknown.size().unwrap_err().to_string().contains("r12-d"));
     }
 
+    /// Every pixel sees a card or the wall, up to a card that is turned towards the camera by less than its half side.
+    fn check_depths(path: &Path, [near_m, far_m]: [f64; 2]) {
+        let depths = holo_io::read_pfm_gray(path, &holo_io::Limits::default()).unwrap();
+        let range = 0.9 * near_m as f32..=1.0001 * far_m as f32;
+        assert!(depths.iter().all(|depth| range.contains(depth)), "{depths:?}");
+        let nearest = depths.iter().copied().fold(f32::INFINITY, f32::min);
+        assert!(nearest < 0.95 * far_m as f32, "{nearest}: no card is seen");
+    }
+
     /// A small sensor: every part is sealed, kept by a second run and replaced by one of other samples only with permission; a camera
     /// that COMPOTE reads of the folder is the true one.
     #[test]
@@ -445,13 +454,7 @@ mod tests {
         let crate::QuantityValue::List(reprojection) = of("reprojection_px") else { panic!() };
         assert!(reprojection[1] < 1e-3, "{reprojection:?}");
 
-        // Every pixel sees a card or the wall, up to a card that is turned towards the camera by less than its half side.
-        let depths = holo_io::read_pfm_gray(out.join("r12-a-thin/scene/scene_depth.pfm"), &holo_io::Limits::default());
-        let (depths, [near_m, far_m]) = (depths.unwrap(), entry.depths_m);
-        let range = 0.9 * near_m as f32..=1.0001 * far_m as f32;
-        assert!(depths.iter().all(|depth| range.contains(depth)), "{depths:?}");
-        let nearest = depths.iter().copied().fold(f32::INFINITY, f32::min);
-        assert!(nearest < 0.95 * far_m as f32, "{nearest}: no card is seen");
+        check_depths(&out.join("r12-a-thin/scene/scene_depth.pfm"), entry.depths_m);
 
         // Noise of electrons: the codes of a bright surface scatter as much as the root of their electrons.
         let white = out.join("r12-a-thin/white");
