@@ -16,6 +16,9 @@ const STEPS: usize = 8;
 /// A smaller displacement is not corrected further, px.
 const NEAR_PX: f64 = 2e-3;
 
+/// From here on a tilt is looked for, px: the steps before it would only fit a plane to what the tilt explains.
+const TILT_FROM_PX: f64 = 0.5;
+
 /// Another tilt of the array that displaces all micro-images by less is not told from noise, px.
 const TILT_PX: f64 = 0.05;
 
@@ -88,17 +91,15 @@ impl PlenopticCamera {
     fn calibrated_with(&self, white: ArrayView2<f32>, has_tilt: bool) -> Result<Option<Calibration>, Error> {
         self.check_white(white)?;
         let Some(lattice) = lattice::find(white) else { return Ok(None) };
-        let mut camera = self.with_lattice(&lattice)?;
-        for _ in 0..STEPS {
-            let Some(displacement) = camera.white_displacement(white, false)? else { return Ok(None) };
-            camera = camera.displaced(&displacement)?;
-            if displacement.largest_px() < NEAR_PX {
-                break;
-            }
-        }
-        if has_tilt && let Some(tilted) = camera.with_another_tilt(white)? {
-            camera = tilted;
-        }
+        let Some(near) = self.with_lattice(&lattice)?.nearer(white, TILT_FROM_PX)? else { return Ok(None) };
+        let tilted = if has_tilt { near.with_another_tilt(white)? } else { None };
+        let camera = match tilted {
+            Some(tilted) => tilted,
+            None => match near.nearer(white, NEAR_PX)? {
+                Some(camera) => camera,
+                None => return Ok(None),
+            },
+        };
         let spots = camera.spots(white);
         if spots.is_empty() {
             return Ok(None);
@@ -131,16 +132,30 @@ impl PlenopticCamera {
         of(gap_m / (2.0 * largest_px * pixel_m).max(pixel_m))?.calibrated_with(white, false)
     }
 
-    /// The camera whose array has another tilt; `None` if the white image does not show one.
+    /// The camera whose lattice lies this near to that of the white image, or as near as it comes.
+    fn nearer(self, white: ArrayView2<f32>, until_px: f64) -> Result<Option<Self>, Error> {
+        let mut camera = self;
+        for _ in 0..STEPS {
+            let Some(displacement) = camera.white_displacement(white, false)? else { return Ok(None) };
+            camera = camera.displaced(&displacement)?;
+            if displacement.largest_px() < until_px {
+                break;
+            }
+        }
+        Ok(Some(camera))
+    }
+
+    /// The camera whose array has another tilt; `None` if the white image does not show one, or not such a camera.
     fn with_another_tilt(&self, white: ArrayView2<f32>) -> Result<Option<Self>, Error> {
         let mut camera: Option<Self> = None;
         for _ in 0..STEPS {
             let known = camera.as_ref().unwrap_or(self);
-            let Some(displacement) = known.white_displacement(white, true)? else { break };
+            let Some(displacement) = known.white_displacement(white, true)? else { return Ok(None) };
             if camera.is_none() && displacement.largest_of_growth_px() < TILT_PX {
                 break;
             }
-            camera = Some(known.displaced(&displacement)?);
+            let Ok(next) = known.displaced(&displacement) else { return Ok(None) };
+            camera = Some(next);
             if displacement.largest_px() < NEAR_PX {
                 break;
             }

@@ -109,7 +109,8 @@ fn vignetting_is_that_of_the_camera() {
     assert!(off_px(&truth, &found.camera) < 0.06, "{} {found:?}", off_px(&truth, &found.camera));
 }
 
-/// An array that is tilted against the sensor: micro-images grow over it.
+/// An array that is tilted against the sensor: micro-images grow over it. A tilt of 2.2e-3 moves those at the sides, 1.4 mm from the
+/// middle, by the 0.05 px that are promised, one of 4.5e-3 by the 0.1 px with noise.
 #[test]
 fn the_tilt_is_found() {
     let of = |grid: MicrolensGrid, tilt_rad: [f64; 2], offset_m: [f64; 2]| {
