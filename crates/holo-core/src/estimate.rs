@@ -10,32 +10,38 @@
 //! 3. `scanline.rs` aggregates the costs along eight directions, so that pixels without texture follow textured
 //!    neighbors. `sweep.rs` selects the disparity of the lowest cost.
 //! 4. `measure.rs` makes one Gauss-Newton step per pixel, with the views in which the pixel is visible according to the
-//!    current map and with robust weights. It also estimates the variance of the step.
-//! 5. `plane_fit.rs` fits a plane to the steps around every pixel, weighted by their precision, by similarity of color
-//!    and by membership in the same surface. `sharpen.rs` moves the edges of the map to those of the image. Steps 4 and 5
-//!    are repeated. The precision of the fit gives the confidence.
+//!    current map and with robust weights. It also estimates the variance of the step, without what is noise of the
+//!    gradients. `gloss.rs` takes off light that changes from view to view.
+//! 5. `plane_fit.rs` fits a plane to the steps around every pixel and to the coarser estimate, weighted by their precision,
+//!    by similarity of color and by membership in the same surface; in plain areas over squares of pixels (`cells.rs`).
+//!    `sharpen.rs` moves the edges of the map to those of the image. Steps 4 and 5 are repeated. The precision of the fit
+//!    gives the confidence.
 //!
 //! `cargo xtask report` measures error and time on scenes of the gallery.
 //!
 //! # Limits
 //!
 //! The estimate is wrong on mirrors and glass, which show objects at other distances; on glossy surfaces without texture,
-//! whose light moves with the eye; on surfaces at grazing angles with little texture; at pixels along depth edges; and
+//! whose light moves with the eye (texture tells gloss from parallax); on surfaces at grazing angles with little texture; at pixels along depth edges; and
 //! where objects are about a pixel wide, as in grass.
 //!
 //! # Memory
 //!
-//! With n views and C matched channels: `5.4 C (n + 1) V U` bytes for samples, `(52 + 8 C) V U` for maps,
+//! With n views and C matched channels: `5.4 C (n + 1) V U` bytes for samples, `(125 + 8 C) V U` for maps,
 //! and 256 MiB or `512 planes U` bytes, whichever is more, for costs (less for small views).
 
 mod any_views;
+mod cells;
 mod cost;
 mod effort;
+mod gloss;
 mod measure;
+mod plane;
 mod plane_fit;
 mod pyramid;
 mod scanline;
 mod sharpen;
+mod sums;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -51,6 +57,8 @@ use ndarray::{Array2, Data};
 use crate::{BaselineRatio, Error, LightField, Sample};
 use cost::Planes;
 use effort::Settings;
+use measure::Image;
+use plane::Plane;
 use plane_fit::Fit;
 use pyramid::Prior;
 use views::Views;
@@ -61,6 +69,8 @@ const MOST_PLANES: usize = 4096;
 const HALF_CONFIDENCE_PX: f32 = 0.02;
 /// The gate of a coarser level: surfaces that are a pixel apart are half of one apart there.
 const COARSE_GATE: f32 = 0.3;
+/// The gate of a surface without information, in gates.
+const WIDEST: f32 = 2.0;
 /// The largest absolute disparity of a range.
 const LARGEST_PX: f32 = 1e6;
 
@@ -189,8 +199,8 @@ where
 
 /// The estimate from views, within the range of the options.
 fn estimated(views: &Views, settings: &Settings, options: &PlaneSweepOptions) -> Result<DisparityEstimate, Error> {
-    let (map, information) = solve(views, settings, options.disparity_min_px, options.disparity_max_px, 0)?;
-    let confidence = information.into_iter().map(confidence).collect();
+    let (map, planes) = solve(views, settings, options.disparity_min_px, options.disparity_max_px, 0)?;
+    let confidence = planes.into_iter().map(|plane| confidence(plane.information)).collect();
     let shape = (views.size.rows, views.size.columns);
     Ok(DisparityEstimate {
         disparity_px: Array2::from_shape_vec(shape, map).expect("one value a pixel"),
@@ -198,20 +208,30 @@ fn estimated(views: &Views, settings: &Settings, options: &PlaneSweepOptions) ->
     })
 }
 
-/// The map of a level and its information, after those of the coarser levels.
-fn solve(views: &Views, settings: &Settings, low: f32, high: f32, level: usize) -> Result<(Vec<f32>, Vec<f32>), Error> {
+/// The map of a level and its fits, after those of the coarser levels.
+fn solve(
+    views: &Views,
+    settings: &Settings,
+    low: f32,
+    high: f32,
+    level: usize,
+) -> Result<(Vec<f32>, Vec<Plane>), Error> {
     // A range of too many planes is refused before any work. Coarser levels have fewer.
     let planes = spread(views, settings, low, high)?;
     let guide = views.guide()?;
     let prior = match views.halved()? {
         Some(coarse) => {
-            let (map, information) = solve(&coarse, settings, 0.5 * low, 0.5 * high, level + 1)?;
-            Some(Prior::new(&coarse, &map, &information, &guide, views.size)?)
+            let (map, fitted) = solve(&coarse, settings, 0.5 * low, 0.5 * high, level + 1)?;
+            Some(Prior::new(&coarse, &map, &fitted, &guide, views.size)?)
         }
         None => None,
     };
     let mut map = sweep::sweep(views, &planes, &guide, prior.as_ref(), sweep::BAND_BYTES)?;
-    drop((guide, prior));
+    drop(guide);
+    if let Some(prior) = &prior {
+        prior.replace(&mut map, planes.step_px);
+    }
+    let coarse = prior.as_ref().map_or(&[][..], Prior::planes);
 
     // The sweep is accurate to one step or to half a pixel of the outermost view, and every round to less. A larger
     // difference is another surface.
@@ -219,15 +239,16 @@ fn solve(views: &Views, settings: &Settings, low: f32, high: f32, level: usize) 
     let mut image = views.center.clone();
     let mut fitted = Vec::new();
     for _ in 0..settings.refinements {
-        let found = measure::measure(views, &map, &image, high, planes.step_px)?;
-        let fit = Fit { radius_px: settings.radius_px, gate_px, widest_px: 4.0 * gate_px };
-        fitted = fit.smooth(views.size, &map, &found, &fitted)?;
+        let gradients = Image { samples: &image, is_mean: !fitted.is_empty() };
+        let found = measure::measure(views, &map, gradients, high, planes.step_px)?;
+        let fit = Fit { radius_px: settings.radius_px, gate_px, widest_px: WIDEST * gate_px };
+        fitted = fit.smooth(views.size, &map, &found, &fitted, coarse)?;
         map = sharpen::sharpen(views.size, &fitted, &found.image)?;
         map.iter_mut().for_each(|disparity_px| *disparity_px = disparity_px.clamp(low, high));
         image = found.image;
         gate_px *= settings.next_gate;
     }
-    Ok((map, fitted.iter().map(|plane| plane.information).collect()))
+    Ok((map, fitted))
 }
 
 fn check_range(low: f32, high: f32) -> Result<(), Error> {

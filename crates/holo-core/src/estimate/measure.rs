@@ -5,6 +5,8 @@ mod naive;
 
 use crate::base::parallel::*;
 
+use super::gloss::Gloss;
+use super::sums::Sums;
 use super::views::Views;
 use crate::Error;
 use crate::base::memory::filled;
@@ -13,10 +15,23 @@ use crate::base::memory::filled;
 const FLOOR: f32 = 0.002;
 /// The largest number of views: those of a grid of 9 x 9.
 const MOST_VIEWS: usize = 80;
+/// The variance of normally distributed residuals over the mean that the robust weights make of it.
+const ROBUST: f32 = 2.0;
+/// The variance of a gradient over that of a pixel: half the difference of two pixels has half of it.
+const OF_GRADIENT: f32 = 0.5;
+/// The same for a mean of views, times their number: weights differ, and views are interpolated, which makes neighbors
+/// alike. Measured on noise.
+const OF_MEAN: f32 = 0.65;
+/// Half the side of the square over which the share of noise in gradients is averaged, px.
+const NOISE_RADIUS: usize = 3;
+/// The smallest share of gradients that is taken to be no noise.
+const LEAST_SHARE: f32 = 0.01;
+/// The longest step beyond that of the sweep, in standard errors of the pixel.
+const ERRORS: f32 = 3.0;
 
 /// The result of one step at every pixel.
 pub(super) struct Measurements {
-    /// The disparity after the step.
+    /// The disparity after the step. Where there is little information it is far off: only means of many pixels count.
     pub(super) disparity_px: Vec<f32>,
     /// The inverse of its variance, in 1/px^2.
     pub(super) information: Vec<f32>,
@@ -24,34 +39,57 @@ pub(super) struct Measurements {
     pub(super) image: Vec<f32>,
 }
 
-/// Makes one step at every pixel from the disparities of a map.
+/// An image whose gradients are taken.
+#[derive(Clone, Copy)]
+pub(super) struct Image<'a> {
+    /// Channel by channel.
+    pub(super) samples: &'a [f32],
+    /// Whether it is a mean of views, not one of them.
+    pub(super) is_mean: bool,
+}
+
+/// Makes one step at every pixel from the disparities of a map. `step_px` is the longest step of a pixel with texture.
 ///
-/// The gradients are those of `image`; `step_px` is the longest step.
+/// Gradients of noise have information that is none. Its expected part is taken off, over a neighborhood: steps get longer
+/// and their information less. Light that changes from view to view ([`Gloss`]) is not taken for a movement.
 pub(super) fn measure(
     views: &Views,
     map: &[f32],
-    image: &[f32],
+    image: Image,
     nearest_px: f32,
     step_px: f32,
 ) -> Result<Measurements, Error> {
     let (pixels, columns) = (views.pixels(), views.size.columns);
-    let mut disparity_px = filled("a disparity map", pixels, 0.0)?;
-    let mut information = filled("the information of a disparity map", pixels, 0.0)?;
+    let mut sums = filled("sums over views", pixels, Sums::default())?;
     // Interleaved while it is written, so that every thread has its own part.
     let mut mixed = filled("an averaged view", pixels * views.channels, 0.0)?;
-    disparity_px
-        .par_iter_mut()
-        .zip(information.par_iter_mut())
-        .zip(mixed.par_chunks_exact_mut(views.channels))
-        .with_min_len(columns)
-        .enumerate()
-        .for_each(|(pixel, ((disparity_px, information), mean))| {
+    sums.par_iter_mut().zip(mixed.par_chunks_exact_mut(views.channels)).with_min_len(columns).enumerate().for_each(
+        |(pixel, (sums, mean))| {
             let (row, column) = (pixel / columns, pixel % columns);
             let limits = visible_steps(views, map, row, column, nearest_px);
-            let (delta, found) = measure_pixel(views, map[pixel], image, row, column, &limits, mean);
-            *disparity_px = map[pixel] + delta.clamp(-step_px, step_px);
-            *information = found;
-        });
+            *sums = measure_pixel(views, map[pixel], image, [row, column], &limits, mean);
+        },
+    );
+    let gloss = Gloss::find(views.size, map, image.samples, &sums, step_px)?;
+    let mut steps = filled("steps of a disparity map", pixels, Step::default())?;
+    steps.par_iter_mut().zip(&sums).with_min_len(columns).enumerate().for_each(|(pixel, (step, sums))| {
+        if sums.variance > 0.0 {
+            let (squares, products) = gloss.fit(pixel / columns, pixel % columns, sums);
+            let length_px = if squares > 1e-12 { products / squares } else { 0.0 };
+            *step = Step { length_px, information: squares / sums.variance, noise: sums.noise };
+        }
+    });
+    drop(sums);
+    let mut disparity_px = filled("a disparity map", pixels, 0.0)?;
+    let mut information = filled("the information of a disparity map", pixels, 0.0)?;
+    let places = disparity_px.par_iter_mut().zip(information.par_iter_mut()).with_min_len(columns);
+    places.enumerate().for_each(|(pixel, (disparity_px, information))| {
+        let step = &steps[pixel];
+        let share = share_of_texture(&steps, columns, pixel / columns, pixel % columns);
+        *information = share * share * step.information;
+        let longest_px = step_px + ERRORS / information.max(1e-9).sqrt();
+        *disparity_px = map[pixel] + (step.length_px / share).clamp(-longest_px, longest_px);
+    });
     let mut image = filled("an averaged view", mixed.len(), 0.0)?;
     for channel in 0..views.channels {
         for (to, from) in image[channel * pixels..].iter_mut().zip(mixed.iter().skip(channel).step_by(views.channels)) {
@@ -59,6 +97,29 @@ pub(super) fn measure(
         }
     }
     Ok(Measurements { disparity_px, information, image })
+}
+
+/// The step of a pixel.
+#[derive(Clone, Copy, Default)]
+struct Step {
+    length_px: f32,
+    /// The information of the step, with that of the noise of the gradients.
+    information: f32,
+    noise: f32,
+}
+
+/// The share of the information around a pixel that is not that of noise.
+fn share_of_texture(steps: &[Step], columns: usize, row: usize, column: usize) -> f32 {
+    let rows = steps.len() / columns;
+    let (mut all, mut noise) = (1e-9, 0.0);
+    for row in row.saturating_sub(NOISE_RADIUS)..(row + NOISE_RADIUS + 1).min(rows) {
+        for column in column.saturating_sub(NOISE_RADIUS)..(column + NOISE_RADIUS + 1).min(columns) {
+            let step = &steps[row * columns + column];
+            all += step.information;
+            noise += step.noise;
+        }
+    }
+    (1.0 - noise / all).max(LEAST_SHARE)
 }
 
 /// The reach along every arm up to which no nearer point occludes a pixel.
@@ -94,69 +155,72 @@ fn visible_steps(views: &Views, map: &[f32], row: usize, column: usize, nearest_
     })
 }
 
-/// The step and its information. `mean` receives the mean color.
+/// The sums of a pixel. `mean` receives the mean color.
 fn measure_pixel(
     views: &Views,
     disparity_px: f32,
-    image: &[f32],
-    row: usize,
-    column: usize,
+    image: Image,
+    [row, column]: [usize; 2],
     limits: &[f32; 8],
     mean: &mut [f32],
-) -> (f32, f32) {
+) -> Sums {
     let (pixels, channels) = (views.pixels(), views.channels);
     let (rows, columns) = (views.size.rows, views.size.columns);
-    let pixel = row * columns + column;
-    let mut gradients = [(0.0, 0.0); 3];
+    let mut sums = Sums::default();
     let mut center = [0.0; 3];
     for channel in 0..channels {
-        gradients[channel] = gradient(&image[channel * pixels..(channel + 1) * pixels], rows, columns, row, column);
-        center[channel] = views.center[channel * pixels + pixel];
+        let plane = &image.samples[channel * pixels..(channel + 1) * pixels];
+        sums.gradients[channel] = gradient(plane, rows, columns, row, column);
+        center[channel] = views.center[channel * pixels + row * columns + column];
     }
 
     let Seen { mut squares, views: seen, count } = compare(views, disparity_px, row, column, limits, &center);
     if count == 0 {
         mean.copy_from_slice(&center[..channels]);
-        return (0.0, 0.0);
+        return sums;
     }
     let mut sorted = squares;
     let median = *sorted[..count].select_nth_unstable_by(count / 2, f32::total_cmp).1;
     let scale = 3.0 * median + FLOOR * FLOOR;
 
-    // A linear fit to (h, difference) with one slope for all channels. The constant of a channel is the noise of the
-    // central view.
-    let (mut hh, mut hr, mut rr, mut spread) = (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
-    let mut total = 1.0;
+    // A linear fit to (gradient times place, difference) with one slope for all channels. The constant of a channel is the
+    // noise of the central view, which is one of the views.
+    let (mut total, mut down_sum, mut right_sum) = (1.0, 0.0, 0.0);
     for index in 0..count {
         let weight = 1.0 / (1.0 + squares[index] / scale);
         let (down, right, _) = seen[index];
         total += weight;
-        spread += weight * (down * down + right * right);
+        down_sum += weight * down;
+        right_sum += weight * right;
+        sums.spread[0] += weight * down * down;
+        sums.spread[1] += weight * right * right;
+        sums.spread[2] += weight * down * right;
         squares[index] = weight;
     }
+    sums.spread[0] -= down_sum * down_sum / total;
+    sums.spread[1] -= right_sum * right_sum / total;
+    sums.spread[2] -= down_sum * right_sum / total;
+    let mut residual = 0.0;
     for channel in 0..channels {
-        let (by_row, by_column) = gradients[channel];
-        let (mut h_sum, mut r_sum, mut hh_sum, mut hr_sum, mut rr_sum) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut sum, mut down_pull, mut right_pull) = (0.0, 0.0, 0.0);
         for index in 0..count {
             let (down, right, difference) = seen[index];
-            let (weight, r) = (squares[index], difference[channel]);
-            let h = down * by_row + right * by_column;
-            h_sum += weight * h;
-            r_sum += weight * r;
-            hh_sum += weight * h * h;
-            hr_sum += weight * h * r;
-            rr_sum += weight * r * r;
+            let weighted = squares[index] * difference[channel];
+            sum += weighted;
+            down_pull += weighted * down;
+            right_pull += weighted * right;
+            residual += weighted * difference[channel];
         }
-        mean[channel] = center[channel] + r_sum / total;
-        hh += hh_sum - h_sum * h_sum / total;
-        hr += hr_sum - h_sum * r_sum / total;
-        rr += rr_sum - r_sum * r_sum / total;
+        mean[channel] = center[channel] + sum / total;
+        sums.pulls[channel] = [down_pull - down_sum * sum / total, right_pull - right_sum * sum / total];
+        residual -= sum * sum / total;
     }
-    let delta = if hh > 1e-12 { hr / hh } else { 0.0 };
-    let variance = ((rr - hr * delta) / (total * channels as f32)).max(0.0) + FLOOR * FLOOR;
-    // The gradient of noise alone, which the mean over `total` views reduces.
-    let of_noise = 0.5 * variance / total * spread * channels as f32 * 0.5;
-    (delta, (hh - of_noise).max(0.0) / variance)
+    let (squares, products) = sums.fit(&sums.gradients, &sums.pulls);
+    residual -= if squares > 1e-12 { products * products / squares } else { 0.0 };
+    sums.variance = ROBUST * (residual / (total * channels as f32)).max(0.0) + FLOOR * FLOOR;
+    let of_gradient = if image.is_mean { OF_MEAN / total } else { OF_GRADIENT };
+    sums.noise = of_gradient * (sums.spread[0] + sums.spread[1]) * channels as f32;
+    sums
 }
 
 /// The views in which a pixel is visible.
@@ -196,16 +260,16 @@ fn compare(views: &Views, disparity_px: f32, row: usize, column: usize, limits: 
 }
 
 /// Differences of neighbors, one-sided at the border.
-fn gradient(plane: &[f32], rows: usize, columns: usize, row: usize, column: usize) -> (f32, f32) {
+fn gradient(plane: &[f32], rows: usize, columns: usize, row: usize, column: usize) -> [f32; 2] {
     let slope = |low: usize, high: usize, first: usize, second: usize| {
         if high > low { (plane[second] - plane[first]) / (high - low) as f32 } else { 0.0 }
     };
     let (above, below) = (row.saturating_sub(1), (row + 1).min(rows - 1));
     let (left, right) = (column.saturating_sub(1), (column + 1).min(columns - 1));
-    (
+    [
         slope(above, below, above * columns + column, below * columns + column),
         slope(left, right, row * columns + left, row * columns + right),
-    )
+    ]
 }
 
 /// The 4 x 4 weights of an image position in Keys' cubic convolution.
@@ -330,7 +394,8 @@ mod tests {
         views.center.fill(0.5);
         views.others.iter_mut().for_each(|view| view.samples.fill(0.5));
         let map = vec![0.25; 64];
-        let found = measure(&views, &map, &views.center, 1.0, 0.1).unwrap();
+        let image = Image { samples: &views.center, is_mean: false };
+        let found = measure(&views, &map, image, 1.0, 0.1).unwrap();
         assert_eq!(found.information, [0.0; 64]);
         assert_eq!(found.disparity_px, map);
     }

@@ -5,18 +5,25 @@ mod naive;
 
 use crate::base::parallel::*;
 
+use super::cells::Cells;
 use super::measure::Measurements;
+use super::plane::Plane;
 use crate::base::memory::filled;
 use crate::{Error, GridSize};
 
-/// The color difference at which the weight of a neighbor is 1/4, for colors from 0 to 1.
-const COLOR: f32 = 0.1;
-/// The weight of the current disparity beside its measurement, in 1/px^2. It determines pixels without information.
-const PRIOR: f32 = 4.0;
-/// The information, in 1/px^2, from which on only the nearest neighbors are used: a standard error of 0.007 px.
-const ENOUGH: f32 = 20_000.0;
+/// The color difference from which on a pixel belongs to another surface, for colors from 0 to 1.
+const COLOR: f32 = 0.2;
+/// The same for squares of pixels: only what is plain needs them.
+const PLAIN_COLOR: f32 = 0.1;
+/// The largest side of squares, px: 2 to the power of this.
+const DOUBLINGS: usize = 3;
+/// The information, in 1/px^2, from which on only the nearest neighbors are used: a standard error of 0.01 px.
+const ENOUGH: f32 = 10_000.0;
+/// What squares of twice the side must have of the information: four times as much in a plain area, and less in a colorful
+/// one, where few of them look like the pixel.
+const WIDER: f32 = 3.0;
 /// The largest distance of a neighbor from the surface, in standard errors of the neighborhood of the pixel.
-const ERRORS: f32 = 12.0;
+const ERRORS: f32 = 8.5;
 /// The ridge regularization of the slopes, for neighbors that do not span a plane.
 const RIDGE: f32 = 1e-3;
 
@@ -33,32 +40,23 @@ pub(super) struct Fit {
 
 impl Fit {
     /// Returns the fitted planes around all pixels. `before` has those of the round before, or none; a plane whose pixel has
-    /// another disparity since is not used.
+    /// another disparity since is not used. `coarse` has those of the coarser level, or none.
     pub(super) fn smooth(
         &self,
         size: GridSize,
         map: &[f32],
         found: &Measurements,
         before: &[Plane],
+        coarse: &[Plane],
     ) -> Result<Vec<Plane>, Error> {
         let mut planes = filled("planes around pixels", map.len(), Plane::default())?;
-        let neighbors = Neighbors::new(self, size, map, found)?;
+        let neighbors = Neighbors::new(self, size, map, found, coarse)?;
         planes.par_iter_mut().with_min_len(size.columns).enumerate().for_each(|(pixel, plane)| {
             let before = before.get(pixel).filter(|plane| plane.here == map[pixel]);
             *plane = neighbors.plane_at(pixel / size.columns, pixel % size.columns, before);
         });
         Ok(planes)
     }
-}
-
-/// Disparity as a linear function of the distance to a pixel.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Plane {
-    pub(super) here: f32,
-    pub(super) by_row: f32,
-    pub(super) by_column: f32,
-    /// The information of the fit, in 1/px^2.
-    pub(super) information: f32,
 }
 
 /// Neighbors in a row that are added at once.
@@ -68,40 +66,48 @@ type Lanes = [f32; LANES];
 struct Neighbors<'a> {
     fit: &'a Fit,
     size: GridSize,
-    map: &'a [f32],
     found: &'a Measurements,
     channels: usize,
-    /// The means of the measurements and the current disparities.
-    values: Vec<f32>,
+    /// Pixels, and squares of 2, 4 and 8 pixels a side.
+    cells: Vec<Cells<'a>>,
     /// The weights of the distances, row by row of the square, and [`LANES`] more.
     near: Vec<f32>,
 }
 
 impl<'a> Neighbors<'a> {
-    fn new(fit: &'a Fit, size: GridSize, map: &'a [f32], found: &'a Measurements) -> Result<Self, Error> {
-        let mut values = filled("a disparity map", map.len(), 0.0)?;
-        values.par_iter_mut().with_min_len(size.columns).enumerate().for_each(|(pixel, value)| {
-            let information = found.information[pixel];
-            *value = (information * found.disparity_px[pixel] + PRIOR * map[pixel]) / (information + PRIOR);
-        });
+    fn new(
+        fit: &'a Fit,
+        size: GridSize,
+        map: &'a [f32],
+        found: &'a Measurements,
+        coarse: &[Plane],
+    ) -> Result<Self, Error> {
+        let mut cells = vec![Cells::pixels(size, map, found, coarse, fit.widest_px)?];
+        for doubling in 0..DOUBLINGS {
+            let doubled = cells[doubling].doubled()?;
+            cells.push(doubled);
+        }
         let side = 2 * fit.radius_px + 1;
         let from_center = |k: usize| (k as f32 - fit.radius_px as f32).powi(2);
         let per_square = 1.0 / ((fit.radius_px * fit.radius_px) as f32 * 0.75);
         let weight = |k: usize| 1.0 / (1.0 + (from_center(k / side) + from_center(k % side)) * per_square);
         let near = (0..side * side).map(weight).chain([0.0; LANES]);
-        Ok(Self { fit, size, map, found, channels: found.image.len() / map.len(), values, near: near.collect() })
+        Ok(Self { fit, size, found, channels: found.image.len() / map.len(), cells, near: near.collect() })
     }
 
     fn plane_at(&self, row: usize, column: usize, before: Option<&Plane>) -> Plane {
-        let here = self.map[row * self.size.columns + column];
+        let here = self.cells[0].map[row * self.size.columns + column];
         let gate_px = self.gate_px(row, column);
         // The first gate is flat. The second follows the slope of the first fit, or of the round before.
         let flat = Plane { here, ..Plane::default() };
-        let sloped = before.map_or_else(|| self.fitted(row, column, &flat, gate_px, 1), |plane| *plane);
-        let mut plane = self.fitted(row, column, &sloped, gate_px, 1);
-        for stride in [2, 4] {
+        let sloped = before.map_or_else(|| self.fitted(row, column, &flat, gate_px, &self.cells[0]), |plane| *plane);
+        let mut plane = self.fitted(row, column, &sloped, gate_px, &self.cells[0]);
+        for cells in &self.cells[1..] {
             if plane.information < ENOUGH {
-                plane = self.fitted(row, column, &plane, gate_px, stride);
+                let wider = self.fitted(row, column, &plane, gate_px, cells);
+                if wider.information > WIDER * plane.information {
+                    plane = wider;
+                }
             }
         }
         plane
@@ -120,34 +126,38 @@ impl<'a> Neighbors<'a> {
         (gate_px * gate_px + ERRORS * ERRORS / information).sqrt().min(widest_px)
     }
 
-    /// The least-squares plane through every `stride`-th neighbor.
-    fn fitted(&self, row: usize, column: usize, last: &Plane, gate_px: f32, stride: usize) -> Plane {
-        let GridSize { rows, columns } = self.size;
-        let radius = self.fit.radius_px;
-        // Counted from the pixel outward, so that the pixel is always included.
-        let (above, before) = ((row / stride).min(radius), (column / stride).min(radius));
-        let (below, after) = (((rows - 1 - row) / stride).min(radius), ((columns - 1 - column) / stride).min(radius));
-        let (left, count) = (column - before * stride, before + 1 + after);
+    /// The least-squares plane through the neighbors among `cells`.
+    fn fitted(&self, row: usize, column: usize, last: &Plane, gate_px: f32, cells: &Cells) -> Plane {
+        let (GridSize { rows, columns }, side, radius) = (cells.size, cells.side, self.fit.radius_px);
+        // Counted from the square of the pixel outward, so that it is always included.
+        let (middle_row, middle_column) = (row / side, column / side);
+        let (above, before) = (middle_row.min(radius), middle_column.min(radius));
+        let (below, after) = ((rows - 1 - middle_row).min(radius), (columns - 1 - middle_column).min(radius));
+        let (left, count) = (middle_column - before, before + 1 + after);
+        // From the pixel to the middle of a square.
+        let away = |cell: usize, place: usize| (cell * side) as f32 + 0.5 * (side - 1) as f32 - place as f32;
+        let here = row * self.size.columns + column;
         let color: [f32; 3] =
-            std::array::from_fn(|channel| self.color(channel.min(self.channels - 1))[row * columns + column]);
-        let per_square = 1.0 / (self.channels as f32 * COLOR * COLOR);
+            std::array::from_fn(|channel| self.found.image[channel.min(self.channels - 1) * self.size.count() + here]);
+        let widest = if side == 1 { COLOR } else { PLAIN_COLOR };
+        let per_square = 1.0 / (self.channels as f32 * widest * widest);
         let mut moments = LaneMoments::default();
         for step in 0..above + 1 + below {
-            let other_row = row + step * stride - above * stride;
-            let y = other_row as f32 - row as f32;
+            let other_row = middle_row + step - above;
+            let y = away(other_row, row);
             let near = &self.near[(radius + step - above) * (2 * radius + 1) + radius - before..];
             for first in (0..count).step_by(LANES) {
                 let taken = (count - first).min(LANES);
-                let run = Run { first: other_row * columns + left + first * stride, stride, taken };
-                let x: Lanes = std::array::from_fn(|lane| ((first + lane) * stride) as f32 - (before * stride) as f32);
-                let mut near = Run { first, stride: 1, taken }.of(near);
+                let run = Run { first: other_row * columns + left + first, taken };
+                let x: Lanes = std::array::from_fn(|lane| away(left + first + lane, column));
+                let mut near = Run { first, taken }.of(near);
                 for (lane, near) in near.iter_mut().enumerate() {
                     *near = if lane < taken { *near } else { 0.0 };
                 }
-                let so_far = run.of(self.map);
+                let so_far = run.of(&cells.map);
                 let mut squares = [0.0; LANES];
-                for channel in 0..self.channels {
-                    let other = run.of(self.color(channel));
+                for (channel, plane) in cells.image.chunks_exact(cells.map.len()).enumerate() {
+                    let other = run.of(plane);
                     for lane in 0..LANES {
                         squares[lane] += (other[lane] - color[channel]) * (other[lane] - color[channel]);
                     }
@@ -157,28 +167,24 @@ impl<'a> Neighbors<'a> {
                     let off = (so_far[lane] - last.here - last.by_row * y - last.by_column * x[lane]) / gate_px;
                     // Tukey's biweight: the weight is 0 beyond the gate. It is 0 in lanes that are not taken, as `near` is.
                     let same = (1.0 - off * off).max(0.0);
-                    let factor = same * near[lane] / (1.0 + squares[lane] * per_square);
+                    let alike = (1.0 - squares[lane] * per_square).max(0.0);
+                    let factor = same * near[lane] * alike;
                     weight[lane] = factor * factor;
                 }
-                moments.add(&weight, &run.of(&self.found.information), &x, y, &run.of(&self.values), last.here);
+                let own = [&cells.weights, &cells.information].map(|values| run.of(values));
+                moments.add(&weight, &own, &x, y, &run.of(&cells.values), last.here);
             }
         }
-        let mut plane = moments.sum().solve(radius * stride);
+        let mut plane = moments.sum().solve(radius * side);
         plane.here += last.here;
         plane
     }
-
-    fn color(&self, channel: usize) -> &[f32] {
-        let pixels = self.map.len();
-        &self.found.image[channel * pixels..(channel + 1) * pixels]
-    }
 }
 
-/// Every `stride`-th pixel of a row from `first` on, `taken` of them: up to [`LANES`].
+/// The pixels of a row from `first` on, `taken` of them: up to [`LANES`].
 #[derive(Clone, Copy)]
 struct Run {
     first: usize,
-    stride: usize,
     taken: usize,
 }
 
@@ -186,10 +192,10 @@ impl Run {
     /// The values of these pixels. Lanes that are not taken hold values of other pixels, or 0.
     #[inline]
     fn of(self, values: &[f32]) -> Lanes {
-        let Self { first, stride, taken } = self;
+        let Self { first, taken } = self;
         match values[first..].first_chunk() {
-            Some(run) if stride == 1 => *run,
-            _ => std::array::from_fn(|lane| if lane < taken { values[first + lane * stride] } else { 0.0 }),
+            Some(run) => *run,
+            None => std::array::from_fn(|lane| if lane < taken { values[first + lane] } else { 0.0 }),
         }
     }
 }
@@ -210,10 +216,11 @@ struct LaneMoments {
 }
 
 impl LaneMoments {
-    /// Adds pixels of a row with disparities relative to `base`.
-    fn add(&mut self, weight: &Lanes, information: &Lanes, x: &Lanes, y: f32, values: &Lanes, base: f32) {
+    /// Adds values of a row relative to `base`, whose weights and information are `own` times those of the
+    /// neighborhood.
+    fn add(&mut self, weight: &Lanes, [own, information]: &[Lanes; 2], x: &Lanes, y: f32, values: &Lanes, base: f32) {
         for lane in 0..LANES {
-            let w = weight[lane] * (information[lane] + PRIOR);
+            let w = weight[lane] * own[lane];
             let (wx, wy, wd) = (w * x[lane], w * y, w * (values[lane] - base));
             self.one[lane] += w;
             self.x[lane] += wx;
@@ -314,9 +321,7 @@ mod tests {
             for (k, &(w, x, y, d)) in points.iter().enumerate() {
                 let in_lane =
                     |value: f64| std::array::from_fn(|lane| if lane == k % LANES { value as f32 } else { 0.0 });
-                // The information is 0, and the weight is that of the current disparity.
-                let weight = in_lane(w / f64::from(PRIOR));
-                moments.add(&weight, &[0.0; LANES], &in_lane(x), y as f32, &in_lane(d), 0.0);
+                moments.add(&in_lane(w), &[[1.0; LANES]; 2], &in_lane(x), y as f32, &in_lane(d), 0.0);
             }
             let difference = f64::from(moments.sum().solve(4).here) - naive_solve(&points, 4);
             // Twenty terms of about 1, rounded to f32, over a determinant that points on one side of the pixel make
@@ -337,7 +342,8 @@ mod tests {
         let noisy = (0..400).map(|pixel| truth(pixel) + if pixel % 3 == 0 { 0.1 } else { -0.05 }).collect();
         let found = Measurements { disparity_px: noisy, information: vec![400.0; 400], image: vec![0.5; 400] };
         let fit = Fit { radius_px: 4, gate_px: 0.25, widest_px: 0.5 };
-        let smoothed: Vec<f32> = fit.smooth(size, &map, &found, &[]).unwrap().iter().map(|plane| plane.here).collect();
+        let smoothed: Vec<f32> =
+            fit.smooth(size, &map, &found, &[], &[]).unwrap().iter().map(|plane| plane.here).collect();
         for pixel in 0..400 {
             let error = (smoothed[pixel] - truth(pixel)).abs();
             // A corner has 25 neighbors: an error of 0.071 root mean square becomes about 0.071 / 5 * 2 (the value at

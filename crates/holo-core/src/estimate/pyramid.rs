@@ -3,6 +3,7 @@
 use crate::base::parallel::*;
 
 use super::cost::Planes;
+use super::plane::Plane;
 use super::views::{View, Views};
 use crate::base::memory::filled;
 use crate::{Error, GridSize};
@@ -10,12 +11,14 @@ use crate::{Error, GridSize};
 /// The shorter side, px, from which on views have a coarser level.
 const SHORTEST: usize = 128;
 /// The largest cost of a plane far from the coarser estimate.
-const MOST: f32 = 80.0;
+const MOST: f32 = 300.0;
 /// The same in mean second differences of the costs from plane to plane, which are their noise where nothing matches better
 /// than anything else.
-const ROUGH: f32 = 2.0;
+const ROUGH: f32 = 6.0;
 /// The information of the coarser level, in 1/px^2 of the finer one, at which the cost is half as large.
 const HALF: f32 = 25.0;
+/// The distance from the coarser estimate, in planes of the sweep, within which the sweep is no better.
+const NEAR: f32 = 2.5;
 
 impl Views {
     /// The views in half the resolution; `None` for small views.
@@ -61,45 +64,48 @@ fn halve(full: GridSize, channels: usize, samples: &[f32]) -> Result<Vec<f32>, E
 
 /// What a coarser level says about the disparity of every pixel.
 pub(super) struct Prior {
-    disparity_px: Vec<f32>,
-    /// How much it says, from 0 to 1.
-    strength: Vec<f32>,
+    planes: Vec<Plane>,
     columns: usize,
 }
 
 impl Prior {
-    /// The estimate of a coarser level at the pixels of a finer one: of the four pixels around, that of the most similar
-    /// brightness.
+    /// The fits of a coarser level at the pixels of a finer one: of the four pixels around, that of the most similar
+    /// brightness. `map` has the disparities of the coarser level.
     pub(super) fn new(
         coarse: &Views,
         map: &[f32],
-        information: &[f32],
+        planes: &[Plane],
         guide: &[f32],
         fine: GridSize,
     ) -> Result<Self, Error> {
         let coarse_guide = coarse.guide()?;
-        let mut disparity_px = filled("a disparity map", fine.count(), 0.0)?;
-        let mut strength = filled("the information of a disparity map", fine.count(), 0.0)?;
-        let rows = disparity_px.par_chunks_exact_mut(fine.columns).zip(strength.par_chunks_exact_mut(fine.columns));
-        rows.enumerate().for_each(|(v, (disparity_px, strength))| {
-            for u in 0..fine.columns {
+        let mut finer = filled("planes around pixels", fine.count(), Plane::default())?;
+        finer.par_chunks_exact_mut(fine.columns).enumerate().for_each(|(v, finer)| {
+            for (u, finer) in finer.iter_mut().enumerate() {
                 let (near, other) = (around(v, coarse.size.rows), around(u, coarse.size.columns));
                 let here = guide[v * fine.columns + u];
-                let mut best = (f32::INFINITY, 0);
+                let mut best = (f32::INFINITY, 0, 0);
                 for (row, column) in [(near.0, other.0), (near.1, other.0), (near.0, other.1), (near.1, other.1)] {
-                    let pixel = row * coarse.size.columns + column;
-                    let off = (coarse_guide[pixel] - here).abs();
+                    let off = (coarse_guide[row * coarse.size.columns + column] - here).abs();
                     if off < best.0 {
-                        best = (off, pixel);
+                        best = (off, row, column);
                     }
                 }
-                // A pixel of the coarser level is two of the finer one.
-                disparity_px[u] = 2.0 * map[best.1];
-                let information = 0.25 * information[best.1];
-                strength[u] = information / (information + HALF);
+                let (_, row, column) = best;
+                let pixel = row * coarse.size.columns + column;
+                let Plane { by_row, by_column, information, .. } = planes[pixel];
+                // A pixel of the coarser level is two of the finer one, between which its center is.
+                let (y, x) = (v as f32 - 2.0 * row as f32 - 0.5, u as f32 - 2.0 * column as f32 - 0.5);
+                let here = 2.0 * map[pixel] + by_row * y + by_column * x;
+                *finer = Plane { here, by_row, by_column, information: 0.25 * information };
             }
         });
-        Ok(Self { disparity_px, strength, columns: fine.columns })
+        Ok(Self { planes: finer, columns: fine.columns })
+    }
+
+    /// The fits.
+    pub(super) fn planes(&self) -> &[Plane] {
+        &self.planes
     }
 
     /// Adds its costs to those of the rows from `first_row` on: up to some times the noise of the costs, so that it decides
@@ -111,12 +117,22 @@ impl Prior {
         costs.par_chunks_exact_mut(planes.count).with_min_len(self.columns).enumerate().for_each(|(k, costs)| {
             let second = |w: &[u16]| (i32::from(w[0]) - 2 * i32::from(w[1]) + i32::from(w[2])).unsigned_abs();
             let rough = costs.windows(3).map(second).sum::<u32>() as f32 / (planes.count - 2) as f32;
-            let most = self.strength[first + k] * (ROUGH * rough).min(MOST);
+            let Plane { here, information, .. } = self.planes[first + k];
+            let most = information / (information + HALF) * (ROUGH * rough).min(MOST);
             for (plane, cost) in costs.iter_mut().enumerate() {
-                let off = (planes.disparity_px(plane as f32) - self.disparity_px[first + k]) * scale;
+                let off = (planes.disparity_px(plane as f32) - here) * scale;
                 *cost += (most * off * off / (1.0 + off * off)) as u16;
             }
         });
+    }
+
+    /// Replaces disparities of a sweep that are as near as its planes: between planes the coarser estimate knows more.
+    pub(super) fn replace(&self, map: &mut [f32], step_px: f32) {
+        for (map, coarse) in map.iter_mut().zip(&self.planes) {
+            if (*map - coarse.here).abs() <= NEAR * step_px && coarse.information > HALF {
+                *map = coarse.here;
+            }
+        }
     }
 }
 
@@ -157,7 +173,8 @@ mod tests {
     #[test]
     fn a_prior_decides_where_costs_do_not() {
         let planes = Planes { first_px: -1.0, step_px: 0.25, count: 9 };
-        let prior = Prior { disparity_px: vec![0.5; 2], strength: vec![1.0; 2], columns: 2 };
+        let plane = Plane { here: 0.5, information: 1e6, ..Plane::default() };
+        let prior = Prior { planes: vec![plane; 2], columns: 2 };
         let flat = [300, 310, 290, 305, 298, 301, 299, 303, 297];
         let textured = [600, 500, 20, 480, 610, 590, 600, 605, 600];
         let mut costs: Vec<u16> = flat.into_iter().chain(textured).collect();

@@ -9,7 +9,7 @@
 
 use crate::base::parallel::*;
 
-use super::plane_fit::Plane;
+use super::plane::Plane;
 use crate::base::memory::filled;
 use crate::{Error, GridSize};
 

@@ -1,5 +1,6 @@
 //! The plane sweep on views that a formula defines.
 
+mod gloss;
 mod hostile;
 mod noise;
 mod occlusion;

@@ -2,7 +2,7 @@
 //! equations.
 
 use super::super::views::{ARMS, View, Views, test_views};
-use super::{FLOOR, measure};
+use super::{FLOOR, Image, OF_GRADIENT, ROBUST, measure_pixel as fast, visible_steps};
 
 /// Keys' kernel with a = -1/2, piece by piece as in his paper (1981, Eq. 15).
 fn kernel(distance: f64) -> f64 {
@@ -73,8 +73,8 @@ fn inverse(mut matrix: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     inverse
 }
 
-/// The step, its information and the mean color of one pixel.
-fn measure_pixel(views: &Views, map: &[f32], image: &[f32], row: usize, column: usize) -> (f64, f64, Vec<f64>) {
+/// The step, its information with that of noise, that of noise, and the mean color of one pixel.
+fn measure_pixel(views: &Views, map: &[f32], image: &[f32], row: usize, column: usize) -> (f64, f64, f64, Vec<f64>) {
     let (rows, columns) = (views.size.rows, views.size.columns);
     let (pixels, channels) = (views.pixels(), views.channels);
     let pixel = row * columns + column;
@@ -95,7 +95,7 @@ fn measure_pixel(views: &Views, map: &[f32], image: &[f32], row: usize, column: 
         }
     }
     if seen.is_empty() {
-        return (0.0, 0.0, center);
+        return (0.0, 0.0, 0.0, center);
     }
     let squares: Vec<f64> = seen
         .iter()
@@ -140,19 +140,26 @@ fn measure_pixel(views: &Views, map: &[f32], image: &[f32], row: usize, column: 
         })
         .sum();
     let total = 1.0 + weights.iter().sum::<f64>();
-    let variance = residual / (total * channels as f64) + f64::from(FLOOR).powi(2);
-    // The gradient is half the difference of two means of `total` samples: half their variance, by row and by column.
-    let of_noise: f64 =
-        seen.iter().zip(&weights).map(|((down, right, _), weight)| weight * (down * down + right * right)).sum::<f64>()
-            * (variance / total / 2.0)
-            * (channels as f64 / 2.0);
+    let variance = f64::from(ROBUST) * residual / (total * channels as f64) + f64::from(FLOOR).powi(2);
+    // The squared distances of the views from their mean place, which the noise of a gradient takes for a movement.
+    let places: Vec<([f64; 2], f64)> = std::iter::once(([0.0; 2], 1.0))
+        .chain(seen.iter().zip(&weights).map(|((down, right, _), weight)| ([*down, *right], *weight)))
+        .collect();
+    let noise: f64 = (0..2)
+        .map(|axis| {
+            let middle = places.iter().map(|(place, weight)| weight * place[axis]).sum::<f64>() / total;
+            places.iter().map(|(place, weight)| weight * (place[axis] - middle).powi(2)).sum::<f64>()
+        })
+        .sum::<f64>()
+        * f64::from(OF_GRADIENT)
+        * channels as f64;
     let mean = (0..channels)
         .map(|channel| {
             let sum: f64 = seen.iter().zip(&weights).map(|((_, _, d), weight)| weight * d[channel]).sum();
             center[channel] + sum / total
         })
         .collect();
-    (solution[0], (1.0 / covariance[0][0] - of_noise).max(0.0) / variance, mean)
+    (solution[0], 1.0 / covariance[0][0] / variance, noise, mean)
 }
 
 #[test]
@@ -168,25 +175,29 @@ fn steps_agree_with_the_normal_equations() {
                 (row, column) => -0.31 + 0.013 * row as f32 + 0.021 * column as f32,
             })
             .collect();
-        let found = measure(&views, &map, &views.center, 1.55, f32::INFINITY).unwrap();
+        let image = Image { samples: &views.center, is_mean: false };
         for pixel in 0..pixels {
-            let (delta, information, mean) =
-                measure_pixel(&views, &map, &views.center, pixel / columns, pixel % columns);
+            let (row, column) = (pixel / columns, pixel % columns);
+            let (delta, information, noise, mean) = measure_pixel(&views, &map, &views.center, row, column);
+            let limits = visible_steps(&views, &map, row, column, 1.55);
+            let mut found_mean = vec![0.0; channels];
+            let found = fast(&views, map[pixel], image, [row, column], &limits, &mut found_mean);
+            let (squares, products) = found.fit(&found.gradients, &found.pulls);
             let at = format!("{rows}x{columns}x{channels} pixel {pixel}");
-            // Sums of at most 43 products in f32 have errors of at most 43 half ulps, 2.6e-6. Their differences (`hh`
-            // less its mean, squares less the fitted part) are a tenth of the sums here: 2.6e-5.
-            let step = f64::from(found.disparity_px[pixel] - map[pixel]);
+            // Sums of at most 43 products in f32 have errors of at most 43 half ulps, 2.6e-6. Their differences (sums of
+            // squares less those of means, squares less the fitted part) are a tenth of the sums here: 2.6e-5.
+            let step = if squares > 1e-12 { f64::from(products / squares) } else { 0.0 };
             assert!((step - delta).abs() < 2.6e-5 * (delta.abs() + 0.05), "{at}: {step}, {delta}");
-            let found_information = f64::from(found.information[pixel]);
+            let found_information = if found.variance > 0.0 { f64::from(squares / found.variance) } else { 0.0 };
             assert!(
                 (found_information - information).abs() < 2.6e-5 * (information + 1.0),
                 "{at}: {found_information}, {information}"
             );
+            assert!((f64::from(found.noise) - noise).abs() < 2.6e-5 * (noise + 1.0), "{at}: {}, {noise}", found.noise);
             known += usize::from(information > 0.0);
-            for (channel, mean) in mean.iter().enumerate() {
-                let found = f64::from(found.image[channel * pixels + pixel]);
+            for (found, mean) in found_mean.iter().zip(mean) {
                 // A mean of numbers below 1, without cancellation.
-                assert!((found - mean).abs() < 1e-6, "{at}: {found}, {mean}");
+                assert!((f64::from(*found) - mean).abs() < 1e-6, "{at}: {found}, {mean}");
             }
         }
     }

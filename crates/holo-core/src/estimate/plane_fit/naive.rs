@@ -1,46 +1,63 @@
 //! The reference implementation of the fit around one pixel: one neighbor after another, in f64.
 
-use super::{COLOR, Fit, Measurements, Neighbors, PRIOR, Plane, RIDGE};
+use super::super::cells::PRIOR;
+use super::{COLOR, Fit, Measurements, Neighbors, PLAIN_COLOR, Plane, RIDGE};
 use crate::GridSize;
 
-/// The plane at a pixel and its information, by the normal equations of all neighbors.
-fn fitted(neighbors: &Neighbors, [row, column]: [usize; 2], last: &Plane, gate_px: f64, stride: usize) -> [f64; 4] {
+/// The plane at a pixel and its information, by the normal equations of all squares of pixels.
+fn fitted(neighbors: &Neighbors, [row, column]: [usize; 2], last: &Plane, gate_px: f64, side: usize) -> [f64; 4] {
     let GridSize { rows, columns } = neighbors.size;
-    let (pixels, radius) = (rows * columns, (neighbors.fit.radius_px * stride) as isize);
+    let (pixels, radius) = (rows * columns, neighbors.fit.radius_px as isize);
+    let (found, map) = (neighbors.found, &neighbors.cells[0].map);
     let (mut sums, mut information) = ([[0.0; 3]; 3], 0.0);
     let mut right = [0.0; 3];
-    for v in 0..rows {
-        for u in 0..columns {
-            let (y, x) = (v as isize - row as isize, u as isize - column as isize);
-            let is_neighbor = |k: isize| k.abs() <= radius && k % stride as isize == 0;
-            if !(is_neighbor(y) && is_neighbor(x)) {
+    for cell_row in 0..rows.div_ceil(side) {
+        for cell_column in 0..columns.div_ceil(side) {
+            let off = [(cell_row, row), (cell_column, column)].map(|(cell, k)| cell as isize - (k / side) as isize);
+            if off.iter().any(|off| off.abs() > radius) {
                 continue;
             }
-            let (other, here) = (v * columns + u, row * columns + column);
-            let (y, x) = (y as f64, x as f64);
-            let so_far = f64::from(neighbors.map[other]);
+            // The square as one measurement.
+            let (mut own, mut so_far, mut value, mut count, mut known) = (0.0, 0.0, 0.0, 0.0, 0.0);
+            let mut color = vec![0.0; neighbors.channels];
+            for v in cell_row * side..((cell_row + 1) * side).min(rows) {
+                for u in cell_column * side..((cell_column + 1) * side).min(columns) {
+                    let k = v * columns + u;
+                    let (measured, prior) = (f64::from(found.information[k]), f64::from(PRIOR));
+                    let current = f64::from(map[k]);
+                    known += measured;
+                    own += measured + prior;
+                    so_far += (measured + prior) * current;
+                    value += measured * f64::from(found.disparity_px[k]) + prior * current;
+                    count += 1.0;
+                    for (channel, color) in color.iter_mut().enumerate() {
+                        *color += f64::from(found.image[channel * pixels + k]);
+                    }
+                }
+            }
+            let [y, x] = [(cell_row, row), (cell_column, column)]
+                .map(|(cell, k)| (cell * side) as f64 + 0.5 * (side as f64 - 1.0) - k as f64);
             let plane = f64::from(last.here) + f64::from(last.by_row) * y + f64::from(last.by_column) * x;
-            let same = (1.0 - ((so_far - plane) / gate_px).powi(2)).max(0.0);
-            let color = neighbors.found.image.chunks_exact(pixels);
-            let squares: f64 = color.map(|color| f64::from(color[other] - color[here]).powi(2)).sum();
-            let alike = 1.0 / (1.0 + squares / (neighbors.channels as f64 * f64::from(COLOR).powi(2)));
-            let near = 1.0 / (1.0 + (x * x + y * y) / (0.75 * (radius * radius) as f64));
-            let weight = (same * alike * near).powi(2);
-            let own = f64::from(neighbors.found.information[other]);
-            let measured = f64::from(neighbors.found.disparity_px[other]);
-            let prior = f64::from(PRIOR);
-            let value = (own * measured + prior * so_far) / (own + prior) - f64::from(last.here);
+            let same = (1.0 - ((so_far / own - plane) / gate_px).powi(2)).max(0.0);
+            let here = |channel: usize| f64::from(found.image[channel * pixels + row * columns + column]);
+            let squares: f64 = color.iter().enumerate().map(|(k, sum)| (sum / count - here(k)).powi(2)).sum();
+            let widest = f64::from(if side == 1 { COLOR } else { PLAIN_COLOR });
+            let alike = (1.0 - squares / (neighbors.channels as f64 * widest.powi(2))).max(0.0);
+            let distance = (off[0] * off[0] + off[1] * off[1]) as f64;
+            let near = 1.0 / (1.0 + distance / (0.75 * (radius * radius) as f64));
+            information += (same * alike * near).powi(2) * known;
+            let weight = (same * alike * near).powi(2) * own;
             let terms = [1.0, x, y];
             for i in 0..3 {
                 for j in 0..3 {
-                    sums[i][j] += weight * (own + prior) * terms[i] * terms[j];
+                    sums[i][j] += weight * terms[i] * terms[j];
                 }
-                right[i] += weight * (own + prior) * terms[i] * value;
+                right[i] += weight * terms[i] * (value / own - f64::from(last.here));
             }
-            information += weight * own;
         }
     }
-    let ridge = sums[0][0] * (radius * radius) as f64 * f64::from(RIDGE);
+    let reach = neighbors.fit.radius_px * side;
+    let ridge = sums[0][0] * (reach * reach) as f64 * f64::from(RIDGE);
     sums[1][1] += ridge;
     sums[2][2] += ridge;
     let [here, by_column, by_row] = solved(&sums, &right);
@@ -60,7 +77,7 @@ pub(super) fn solved(sums: &[[f64; 3]; 3], right: &[f64; 3]) -> [f64; 3] {
     })
 }
 
-/// Everywhere, in images narrower than the lanes, smaller than the square and larger, with every stride.
+/// Everywhere, in images narrower than the lanes, smaller than the square and larger, with squares of every side.
 #[test]
 fn lanes_agree_with_one_neighbor_after_another() {
     let mut state = 5_u32;
@@ -80,13 +97,14 @@ fn lanes_agree_with_one_neighbor_after_another() {
             image: (0..channels * pixels).map(|_| 0.4 + 0.2 * random()).collect(),
         };
         let fit = Fit { radius_px, gate_px: 0.25, widest_px: 1.0 };
-        let neighbors = Neighbors::new(&fit, size, &map, &found).unwrap();
+        let neighbors = Neighbors::new(&fit, size, &map, &found, &[]).unwrap();
         for pixel in 0..pixels {
             let (row, column) = (pixel / columns, pixel % columns);
             let last = Plane { here: map[pixel], by_row: 0.003, by_column: 0.02, information: 0.0 };
-            for stride in [1, 2, 4] {
-                let plane = neighbors.fitted(row, column, &last, 0.25, stride);
-                let expected = fitted(&neighbors, [row, column], &last, 0.25, stride);
+            for cells in &neighbors.cells {
+                let side = cells.side;
+                let plane = neighbors.fitted(row, column, &last, 0.25, cells);
+                let expected = fitted(&neighbors, [row, column], &last, 0.25, side);
                 let errors = [plane.here, plane.by_row, plane.by_column, plane.information]
                     .into_iter()
                     .zip(expected)
@@ -94,7 +112,7 @@ fn lanes_agree_with_one_neighbor_after_another() {
                 // Up to 225 terms in f32: their rounding, 2e-6 of sums, by the spread of the neighbors, which pixels at a side
                 // have on one side only. Information is a sum of up to 1e5.
                 for (error, bound) in errors.zip([2e-5, 2e-5, 2e-5, 1e-5 * expected[3].max(1.0)]) {
-                    assert!(error < bound, "{rows}x{columns} ({row}, {column}) stride {stride}: {error} {bound}");
+                    assert!(error < bound, "{rows}x{columns} ({row}, {column}) side {side}: {error} {bound}");
                 }
             }
         }
