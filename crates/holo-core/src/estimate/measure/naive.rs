@@ -73,6 +73,16 @@ fn inverse(mut matrix: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     inverse
 }
 
+/// The weighted squared distances of places from their mean, which the noise of a gradient takes for a movement.
+fn spread(places: &[([f64; 2], f64)]) -> f64 {
+    let total: f64 = places.iter().map(|(_, weight)| weight).sum();
+    let along = |axis: usize| {
+        let middle = places.iter().map(|(place, weight)| weight * place[axis]).sum::<f64>() / total;
+        places.iter().map(|(place, weight)| weight * (place[axis] - middle).powi(2)).sum::<f64>()
+    };
+    along(0) + along(1)
+}
+
 /// The step, its information with that of noise, that of noise, and the mean color of one pixel.
 fn measure_pixel(views: &Views, map: &[f32], image: &[f32], row: usize, column: usize) -> (f64, f64, f64, Vec<f64>) {
     let (rows, columns) = (views.size.rows, views.size.columns);
@@ -141,18 +151,10 @@ fn measure_pixel(views: &Views, map: &[f32], image: &[f32], row: usize, column: 
         .sum();
     let total = 1.0 + weights.iter().sum::<f64>();
     let variance = f64::from(ROBUST) * residual / (total * channels as f64) + f64::from(FLOOR).powi(2);
-    // The squared distances of the views from their mean place, which the noise of a gradient takes for a movement.
     let places: Vec<([f64; 2], f64)> = std::iter::once(([0.0; 2], 1.0))
         .chain(seen.iter().zip(&weights).map(|((down, right, _), weight)| ([*down, *right], *weight)))
         .collect();
-    let noise: f64 = (0..2)
-        .map(|axis| {
-            let middle = places.iter().map(|(place, weight)| weight * place[axis]).sum::<f64>() / total;
-            places.iter().map(|(place, weight)| weight * (place[axis] - middle).powi(2)).sum::<f64>()
-        })
-        .sum::<f64>()
-        * f64::from(OF_GRADIENT)
-        * channels as f64;
+    let noise = spread(&places) * f64::from(OF_GRADIENT) * channels as f64;
     let mean = (0..channels)
         .map(|channel| {
             let sum: f64 = seen.iter().zip(&weights).map(|((_, _, d), weight)| weight * d[channel]).sum();
