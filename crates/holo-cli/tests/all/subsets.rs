@@ -83,13 +83,13 @@ fn depth_is_estimated_from_some_of_the_views() {
         let scores: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
         scores["bad_pixels_0.07_percent"].as_f64().unwrap_or_else(|| panic!("{scores}"))
     };
-    run(&bench, "depth whole --out all.pfm");
+    run(&bench, "depth whole --effort fast --out all.pfm");
     let all = score("all.pfm");
     for subset in ["cross", "star", "3,3;0,0;6,0;0,6;6,6;2,5"] {
         run(&bench, &format!("{render} --subset {subset} --out some --overwrite"));
-        run(&bench, "depth some/hci --out some.pfm");
-        run(&bench, "depth some --out same.pfm");
-        run(&bench, &format!("depth whole --subset {subset} --out whole.pfm"));
+        run(&bench, "depth some/hci --effort fast --out some.pfm");
+        run(&bench, "depth some --effort fast --out same.pfm");
+        run(&bench, &format!("depth whole --effort fast --subset {subset} --out whole.pfm"));
         let read = |name: &str| std::fs::read(bench.path(name)).unwrap();
         assert!(read("some.pfm") == read("whole.pfm") && read("same.pfm") == read("some.pfm"), "{subset}");
         let bad = score("some.pfm");
@@ -99,11 +99,11 @@ fn depth_is_estimated_from_some_of_the_views() {
     }
     // A part of what a folder has is the same part of all views.
     run(&bench, &format!("{render} --subset star --out some --overwrite"));
-    run(&bench, "depth some --subset cross --out some.pfm");
-    run(&bench, "depth whole --subset cross --out whole.pfm");
+    run(&bench, "depth some --effort fast --subset cross --out some.pfm");
+    run(&bench, "depth whole --effort fast --subset cross --out whole.pfm");
     assert!(std::fs::read(bench.path("some.pfm")).unwrap() == std::fs::read(bench.path("whole.pfm")).unwrap());
     // By depth instead of disparity.
-    run(&bench, "depth whole --subset cross --depths-m 0.5,inf --out d.pfm");
+    run(&bench, "depth whole --effort fast --subset cross --depths-m 0.5,inf --out d.pfm");
     for (line, part) in [
         (
             "depth whole --subset 0,0;6,6 --out d.pfm",

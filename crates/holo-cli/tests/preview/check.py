@@ -319,7 +319,7 @@ def main():
     if options.shots:
         os.makedirs(options.shots, exist_ok=True)
     # A small window is drawn sooner, by a program that is not optimized.
-    with Browser(program, size=WINDOW if options.shots else (880, 560)) as browser:
+    with Browser(program, size=WINDOW if options.shots else (880, 420)) as browser:
         check = Check(browser, options.shots)
         found = first_image(check, options.address)
         found.update(drag(check))

@@ -4,7 +4,8 @@
 //! AVX2 or AVX-512 after it has checked that the processor supports that instruction set. The kernels are ordinary
 //! loops over 16 lanes, which the compiler vectorizes for each set. The compiler does not contract multiplications and
 //! additions into fused operations, so the results are bitwise identical on all sets. A program that is compiled for a
-//! processor with AVX-512 anyway (`target-cpu=native`) has one version of each kernel.
+//! processor with AVX-512 anyway (`target-cpu=native`) has one version of each kernel. A debug build leaves AVX-512 to
+//! the tests that compare the sets: the versions are a large part of the time of compiling.
 
 /// Work that is compiled once per instruction set. Implementations mark `run`, and all hot functions that it calls,
 /// `#[inline(always)]`: only code that is inlined into the entry point is compiled for its instruction set.
@@ -18,6 +19,7 @@ pub(crate) trait Kernel {
 pub(crate) fn run<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(all(target_arch = "x86_64", not(target_feature = "avx512bw")))]
     {
+        #[cfg(not(debug_assertions))]
         if std::arch::is_x86_feature_detected!("avx512f")
             && std::arch::is_x86_feature_detected!("avx512vl")
             && std::arch::is_x86_feature_detected!("avx512dq")
@@ -35,7 +37,7 @@ pub(crate) fn run<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }
 
-#[cfg(all(target_arch = "x86_64", any(test, not(target_feature = "avx512bw"))))]
+#[cfg(all(target_arch = "x86_64", any(test, not(any(debug_assertions, target_feature = "avx512bw")))))]
 #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2")]
 fn avx512<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()

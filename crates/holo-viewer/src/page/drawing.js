@@ -90,7 +90,8 @@ const drawNow = () => {
   if (stale && state.mode === 'view' && state.refocus) refocusQuickly();
   draw();
   clearTimeout(pause);
-  pause = setTimeout(settle, PAUSE_MILLISECONDS);
+  // Who waits for the whole quality gets it at once.
+  pause = setTimeout(settle, waiting.length ? 0 : PAUSE_MILLISECONDS);
 };
 
 // Draws at the next animation frame.

@@ -37,7 +37,11 @@ pub fn test(arguments: &[String]) -> Result {
     let package = build()?;
     let path = std::env::join_paths([package, packages()]).map_err(|why| why.to_string())?;
     let mut pytest = Command::new(python);
-    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).arg(folder().join("tests")).args(arguments);
+    // Two at a time: what one leaves of the processor, while it starts and writes, the other takes.
+    pytest
+        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "--numprocesses", "2"])
+        .arg(folder().join("tests"))
+        .args(arguments);
     pytest.env("PYTHONPATH", path).env("PYTHONDONTWRITEBYTECODE", "1").env("MPLBACKEND", "agg");
     process::run(pytest.envs(embree::environment()))
 }
