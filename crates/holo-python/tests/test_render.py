@@ -209,7 +209,7 @@ def test_without_embree_it_says_so_once(garden, options):
 def test_progress_and_its_exceptions(garden, options):
     seen = []
     holo.render(garden, progress=lambda done, total: seen.append((done, total)), **{**options, "spp": 8})
-    assert all(done <= total for done, total in seen) and seen == sorted(seen)
+    assert seen and all(done <= total for done, total in seen) and seen == sorted(seen)
 
     def stop(done, total):
         raise RuntimeError("enough")

@@ -90,7 +90,7 @@ const drawNow = () => {
   if (stale && state.mode === 'view' && state.refocus) refocusQuickly();
   draw();
   clearTimeout(pause);
-  // Who waits for the whole quality gets it at once.
+  // The full quality is drawn at once where something waits for it.
   pause = setTimeout(settle, waiting.length ? 0 : PAUSE_MILLISECONDS);
 };
 
