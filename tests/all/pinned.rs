@@ -1,4 +1,5 @@
-//! Renders of the library, pinned to the bit: SHA-256 of every render's arrays, against `pinned/arrays.txt`.
+//! Renders of the library and scenes of recipes, pinned to the bit: SHA-256 of every render's arrays and of every scene's
+//! numbers, against `pinned/arrays.txt`.
 //!
 //! What changes pixels on purpose writes the list anew (`HOLO_PIN=write cargo test --test all pinned::`) and says why in the
 //! changelog; nothing else may change a line of it.
@@ -17,6 +18,7 @@ use crate::common::{engines, rig};
 use holo_core::Projection;
 use holo_io::{Limits, Sha256};
 use holo_render::{Backend, Denoise, GroundTruth, Integrator, LayerSet, Rendered, Renderer, Request, Reuse};
+use holo_scene::recipe::{self, Recipe};
 use holo_scene::{Environment, Scene};
 use holo_scene::{gallery, gltf};
 
@@ -82,6 +84,30 @@ fn arrays(backend: Backend, engine: &str) -> BTreeMap<String, String> {
     found
 }
 
+/// The digest of a scene: its numbers, not their form in a file.
+fn digest_of_scene(scene: &Scene) -> String {
+    let mut bytes =
+        format!("{:?} {:?} {:?} {:?}", scene.instances, scene.materials, scene.lights, scene.cameras).into_bytes();
+    for mesh in &scene.meshes {
+        let numbers =
+            [mesh.positions.as_flattened(), mesh.normals.as_flattened(), mesh.texture_coordinates.as_flattened()];
+        bytes.extend(numbers.concat().iter().flat_map(|x| x.to_bits().to_le_bytes()));
+        bytes.extend(mesh.triangles.as_flattened().iter().flat_map(|k| k.to_le_bytes()));
+    }
+    scene.textures.iter().for_each(|texture| bytes.extend(texture.texels.as_flattened()));
+    Sha256::of(&bytes).to_string()
+}
+
+/// The first scenes of every recipe that is built in.
+fn recipes() -> BTreeMap<String, String> {
+    let numbered = recipe::NAMES.iter().flat_map(|&name| (0..6).map(move |number| (name, number)));
+    let pinned = |(name, number): (&str, u64)| {
+        let scene = Recipe::by_name(name).expect("a recipe").scene(7, number, 0);
+        (format!("recipe/{name}/{number}"), digest_of_scene(&scene))
+    };
+    numbered.map(pinned).collect()
+}
+
 #[test]
 fn no_bit_of_a_render_changes() {
     if !cfg!(all(target_os = "linux", target_env = "gnu", target_arch = "x86_64")) {
@@ -89,7 +115,7 @@ fn no_bit_of_a_render_changes() {
         return;
     }
     let list = folder().join("pinned").join("arrays.txt");
-    let mut found = BTreeMap::new();
+    let mut found = recipes();
     for backend in engines() {
         let name = Renderer::new(&common::soup(4, 1), &holo_scene::Transform::IDENTITY, backend, NonZeroUsize::new(1))
             .expect("a renderer")

@@ -125,6 +125,9 @@ fn a_dataset_is_described_and_packed() {
         let number: f64 = value(part).parse().unwrap();
         assert!(number > 0.0, "{part}: {number}");
     }
+    let again = made(&bench, "set", "--layers depth,disparity,visibility --denoise views");
+    let median = format!("{:.2} %", 100.0 * value("error_median").parse::<f64>().unwrap());
+    assert!(again.stderr.contains(&median), "{median}: {again:?}");
     let visibility = holo_io::read_pfm(bench.path("set/tiny/5x5/scene_visibility.pfm"), &Default::default()).unwrap();
     assert!(visibility.values.iter().all(|part| (0.04..=1.0).contains(part)));
     let train = std::fs::read_to_string(bench.path("set/train.txt")).unwrap();

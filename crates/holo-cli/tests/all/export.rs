@@ -70,6 +70,10 @@ fn arrays_have_views_first() {
     let pixels = view.strip_prefix(b"P6\n16 12\n255\n").unwrap();
     assert_eq!(pixels, field.view(2, 7).unwrap().iter().copied().collect::<Vec<u8>>());
     assert_eq!(bench.list("ppm").iter().filter(|name| name.ends_with(".ppm")).count(), 81);
+    // Names have three digits.
+    ok(bench.run(&format!("render {SCENE} --out many --views 1001x1 --lenses 1x1 --spp 1 --write mat --quiet")));
+    let refused = bench.run("export many --for jpeg-pleno --out none");
+    assert!(refused.code == Some(2) && refused.stderr.contains("three digits"), "{refused:?}");
 
     ok(bench.run("export lf --for basiclfsr --out sr --group EPFL"));
     let path = bench.path("sr/datasets/EPFL/training/lf.mat");

@@ -44,6 +44,22 @@ fn raw_images_become_what_a_render_for_a_program_writes() {
         }
         assert_eq!(files(tool).len(), own.len() + 1);
     }
+    // Without vignetting: light that came through is shown, and nothing where it hardly comes.
+    let white = holo_io::read_exr(bench.path("without/white.exr"), &Limits::default()).unwrap().channels.remove(0).1;
+    let raw = holo_io::read_exr_rgb(bench.path("without/raw.exr"), &Limits::default()).unwrap();
+    let most = |lights: &[f32]| lights.iter().copied().fold(0.0, f32::max);
+    let brightest = [most(white.as_slice().unwrap()), most(raw.as_slice().unwrap())];
+    let mut shown = 0;
+    for ((row, column, c), code) in read_u8(bench.path("raytrix/raytrix/raw.png")).indexed_iter() {
+        let (share, light) = (white[[row, column]] / brightest[0], raw[[row, column, c]] / brightest[1]);
+        let is_bright = share > 0.0201 && light > 0.1 * share;
+        assert!(
+            if share < 0.0199 { *code == 0 } else { !is_bright || *code > 0 },
+            "{row} {column}: {code} {share} {light}"
+        );
+        shown += usize::from(is_bright);
+    }
+    assert!(shown > raw.len() / 10, "{shown}");
     ok(bench.run(&format!("render {SCENE} --camera-file small.toml --spp 1 --out square --quiet")));
     refused(&bench, "export square --for pip --out none", "hexagonal");
     refused(&bench, "export without --for compote --out none", "holo target");
@@ -118,8 +134,12 @@ fn saliency_has_focal_stacks_and_masks_of_objects() {
     ok(bench.run(&format!("{render} --out lf --layers depth,disparity,object-id")));
     ok(bench.run(&format!("{render} --out plain")));
     refused(&bench, "export plain --for lfsd --objects x --out out", "object-id");
-    refused(&bench, "export lf --for lfsd --out out", "object-1 (");
-    refused(&bench, "export lf --for lfsd --objects no* --out out", "object-1 (");
+    let map = |name: &str| holo_io::read_pfm_gray(bench.path("lf").join(name), &Limits::default()).unwrap();
+    let ids = map("scene_object_id.pfm");
+    // Its part of the view.
+    let first = format!("object-1 ({:.0} %)", ids.mapv(|id| f32::from(u8::from(id == 1.0))).mean().unwrap() * 100.0);
+    refused(&bench, "export lf --for lfsd --out out", &first);
+    refused(&bench, "export lf --for lfsd --objects no* --out out", &first);
     refused(&bench, "export lf --for hci --objects x --out out", "lfsd");
     assert!(!bench.path("out").exists());
     ok(bench.run("export lf --for lfsd --objects object-2 --out out"));
@@ -128,8 +148,7 @@ fn saliency_has_focal_stacks_and_masks_of_objects() {
             holo_core::DynLightField::U8(field) => field,
             other => panic!("{:?}", other.kind()),
         };
-    let map = |name: &str| holo_io::read_pfm_gray(bench.path("lf").join(name), &Limits::default()).unwrap();
-    let (ids, disparity, depth) = (map("scene_object_id.pfm"), map("scene_disparity.pfm"), map("scene_depth.pfm"));
+    let (disparity, depth) = (map("scene_disparity.pfm"), map("scene_depth.pfm"));
     let mask = read_u8(bench.path("out/train_masks/lf.png"));
     let seen: std::collections::BTreeSet<u8> = mask.iter().copied().collect();
     assert_eq!(seen, [0, 255].into());

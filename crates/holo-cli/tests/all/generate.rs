@@ -124,6 +124,13 @@ fn recipes_perturb_plenoptic_cameras() {
     }
     let focus = bench.run(&format!("{line} --out other --focus-m 0.4"));
     assert!(focus.code == Some(2) && focus.stderr.contains("draws the focus"), "{focus:?}");
+    // Settings of rigs do not concern it, others do.
+    let text = holo_scene::recipe::Recipe::by_name("plenoptic-raw").unwrap().text().to_owned();
+    std::fs::write(bench.path("own.toml"), text + "\n[settings]\nspp = [\"3\"]\nlenses = [\"20x20\"]\n").unwrap();
+    let of_recipe = line.replace("plenoptic-raw", "own.toml").replace("--count 3", "--count 1").replace("--spp 1", "");
+    ok(bench.run(&format!("{of_recipe} --out own")));
+    let manifest = Manifest::read(bench.path("own/000000/small/manifest.json")).unwrap();
+    assert_eq!(manifest.settings["spp"], ManifestValue::Integer(3));
     // Every scene has its own camera, which `dataset.json` knows; a resumed set has the same.
     assert_eq!(bench.run("verify set").code, Some(0));
     let table = std::fs::read_to_string(bench.path("set/light_fields.csv")).unwrap();

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::common::{Bench, SCENE, shifted_camera};
-use holo_io::Manifest;
+use holo_core::DynImage;
+use holo_io::{Limits, Manifest};
 
 fn bench() -> Bench {
     let bench = Bench::new();
@@ -50,6 +51,16 @@ fn raw_images_are_rendered_decoded_and_kept() {
         "white.png",
     ] {
         assert!(files.contains(&name.to_owned()), "no {name} in {files:?}");
+    }
+    // White images of other programs: 1 is the brightest pixel.
+    let white = holo_io::read_exr(bench.path("raw/white.exr"), &Limits::default()).unwrap().channels.remove(0).1;
+    let brightest = white.iter().copied().fold(0.0, f32::max);
+    let DynImage::U16(codes) = holo_io::read_png(bench.path("raw/lftoolbox/white.png"), &Limits::default()).unwrap()
+    else {
+        panic!("16 bits");
+    };
+    for (code, light) in codes.iter().zip(&white) {
+        assert!((f32::from(*code) - 65535.0 * light / brightest).abs() < 1.0, "{code} {light} of {brightest}");
     }
     succeeds(&bench, "verify raw");
     let before = bench.bytes("raw");

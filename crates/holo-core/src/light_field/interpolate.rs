@@ -67,12 +67,10 @@ struct Taps([(usize, f64); 2]);
 
 impl Taps {
     fn new(at: f64, count: usize) -> Self {
-        let last = (count - 1) as f64;
-        let at = at.clamp(0.0, last);
-        let first = at.floor().min((last - 1.0).max(0.0));
-        let fraction = at - first;
+        let at = at.clamp(0.0, (count - 1) as f64);
+        let fraction = at - at.floor();
         // NaN becomes index 0 and weights of NaN.
-        let index = first as usize;
+        let index = at as usize;
         Self([(index, 1.0 - fraction), ((index + 1).min(count - 1), fraction)])
     }
 }

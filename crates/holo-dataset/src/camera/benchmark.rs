@@ -370,6 +370,7 @@ mod tests {
                 let camera = &configuration.truth.camera;
                 let all = configuration.name();
                 let radius_px = camera.micro_image_radii_m(0)[1] / camera.sensor().pixel_m;
+                let (corners, square_m) = entry.board(false);
                 for poses in Poses::ALL {
                     let boards = benchmark.poses(&configuration, poses);
                     assert_eq!(boards.len(), poses.count());
@@ -379,6 +380,18 @@ mod tests {
                     assert!(3 * seen >= boards.len(), "{all}: {seen} of {}", boards.len());
                     let depths_m = entry.depths_m[0] - 1e-9..=entry.depths_m[1] + 1e-9;
                     assert!(boards.iter().all(|board| depths_m.contains(&-board.position_m[2])), "{all}");
+                    // A board faces the camera within the field of view; one that is larger is in its middle.
+                    let tangents =
+                        configuration.data_sheet.camera.angles_of_view_rad().map(|angle| (angle / 2.0).tan());
+                    let is_within = |board: &BoardPose| {
+                        let [x, y, z] = board.position_m;
+                        let sides = [(x, corners.columns, tangents[0]), (y, corners.rows, tangents[1])];
+                        sides.into_iter().all(|(at, corners, tangent)| {
+                            let half_m = (corners + 1) as f64 / 2.0 * square_m;
+                            at == 0.0 || at.abs() + half_m <= -z * tangent + 1e-9
+                        })
+                    };
+                    assert!(boards.iter().all(is_within), "{all}: {boards:?}");
                 }
                 // The f-number of a lens of glass is that of its stop.
                 let f_number = camera.main_lens().f_number / configuration.data_sheet.camera.main_lens().f_number;
@@ -387,6 +400,11 @@ mod tests {
                 Libpleno::before_calibration(&configuration.data_sheet.camera, camera).unwrap();
             }
         }
+        // All boards of a camera are on its sensor.
+        let size = benchmark.size().unwrap();
+        let of = |entry: &Entry| entry.camera(Tier::Thin, false).unwrap().camera.sensor().size.count() as f64;
+        let pixels = ENTRIES.iter().map(of).sum::<f64>() * (size.boards / ENTRIES.len()) as f64;
+        assert_eq!((size.cameras, size.pixels, size.bytes), (ENTRIES.len(), pixels, BYTES_PER_PIXEL * pixels));
         let unknown = CalibrationBenchmark { cameras: vec!["r13".into()], ..benchmark };
         assert!(unknown.size().unwrap_err().to_string().contains("r12-d"));
     }

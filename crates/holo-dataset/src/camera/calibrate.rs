@@ -113,3 +113,48 @@ impl Calibrated {
         image
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use holo_core::GridSize;
+    use holo_core::plenoptic::{ImageSensor, MainLens, MicrolensArray, MicrolensGrid};
+
+    /// Each window has the white image of its place, marks have the color of centers, and what is between windows is white.
+    #[test]
+    fn windows_show_their_places() {
+        let array = MicrolensArray::new(MicrolensGrid::Square, 62.3e-6, 3e-4);
+        let sensor = ImageSensor::new(GridSize::new(420, 640), 4.4e-6);
+        let camera = PlenopticCamera::new(sensor, array, MainLens::new(0.05, 5.0, 2.0)).unwrap();
+        let mut white = camera.white_image().unwrap();
+        // Every place has its own light.
+        white
+            .indexed_iter_mut()
+            .for_each(|((row, column), light)| *light *= 0.4 + 1e-3 * row as f32 + 1e-4 * column as f32);
+        let fit = camera.calibrated(white.view()).unwrap().unwrap();
+        let camera = CameraFile { name: "a".into(), camera, is_approximate: true, sensor_noise: None };
+        let calibrated = Calibrated { camera, fit, white };
+        let (image, white) = (calibrated.image(), &calibrated.white);
+        let side = (WINDOW_PITCHES * calibrated.fit.camera.micro_image_pitch_px()).ceil() as usize;
+        let scale = WINDOW_PX / side;
+        let step = (side + 1) * scale;
+        assert_eq!(image.dim(), (3 * step - scale, 3 * step - scale, 3));
+        let brightest = white.iter().copied().fold(0.0, f32::max);
+        let mut marked = [0; 9];
+        for ((row, column, c), &code) in image.indexed_iter() {
+            let (place, within) = ([row / step, column / step], [row % step / scale, column % step / scale]);
+            if within.contains(&side) {
+                assert_eq!(code, 255, "{row} {column}");
+            } else if image[[row, column, 0]] != image[[row, column, 1]] {
+                assert_eq!(code, CENTER[c], "{row} {column}");
+                marked[3 * place[0] + place[1]] += usize::from(c == 0);
+            } else {
+                let [v, u] = [(0, 420), (1, 640)].map(|(k, count)| place[k] * (count - side) / 2 + within[k]);
+                let expected = 255.0 * (white[[v, u]] / brightest).powf(1.0 / 2.2);
+                assert!((f32::from(code) - expected).abs() <= 1.0, "{row} {column}: {code} {expected}");
+            }
+        }
+        // Five to seven centers a side, of 13 pixels each.
+        assert!(marked.iter().all(|count| (13 * 5 * 5 - 200..=13 * 7 * 7).contains(count)), "{marked:?}");
+    }
+}

@@ -266,3 +266,29 @@ fn planned_focus_m(settings: &RigSettings, depths: Option<DepthRange>) -> Result
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use holo_core::plenoptic::Preset;
+
+    /// The disparities of a plenoptic camera are those of the rig of its decoded views, and follow from the scale that is listed
+    /// (Eq. 3). The views of a hexagonal array are resampled, so that their lenses are as far apart as its rows.
+    #[test]
+    fn disparities_are_those_of_decoded_views() {
+        let camera = Preset::by_name("lytro-illum").unwrap().camera().unwrap();
+        let rows = camera_optics(&camera, &[0.3, 2.0]).unwrap();
+        let number = |key: &str| match rows.iter().find(|row| row.key == key).map(|row| &row.value) {
+            Some(Number(number)) => *number,
+            other => panic!("{key}: {other:?}"),
+        };
+        let [near, far] = ["disparity_px_at_0.3m", "disparity_px_at_2m"].map(number);
+        let scale = number("disparity_scale_m_px");
+        assert!((near - far - scale * (1.0 / 0.3 - 1.0 / 2.0)).abs() < 1e-9 * scale, "{near} {far} {scale}");
+        let disparity = camera.decoded_rig(3).unwrap().disparity();
+        for (listed, depth_m) in [(near, 0.3), (far, 2.0)] {
+            let expected = disparity.from_depth_m(depth_m) * 0.75_f64.sqrt();
+            assert!((listed / expected - 1.0).abs() < 1e-6, "{depth_m} m: {listed} {expected}");
+        }
+    }
+}

@@ -74,3 +74,43 @@ fn is_of_use(scene: &Scene, engine: &EngineSettings) -> Result<bool, Error> {
 fn ordered(values: &[f32], share: f64) -> f32 {
     values[((values.len() - 1) as f64 * share).round() as usize]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use holo_scene::{Camera, Instance, Material, Mesh, Transform};
+
+    /// A wall across all that a camera sees.
+    fn wall_before(camera: &Camera) -> Scene {
+        let positions =
+            [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]].map(|[x, y]: [f32; 2]| [x, y, -1.0]).to_vec();
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
+        Scene {
+            meshes: vec![mesh],
+            instances: vec![Instance { name: "wall".into(), mesh: 0, transform: camera.pose }],
+            materials: vec![Material { unlit: true, ..Material::default() }],
+            cameras: vec![camera.clone()],
+            ..Scene::default()
+        }
+    }
+
+    /// Every scene that is taken is of use, most at the first or second attempt. A wall is flat, and what is a kilometer away is
+    /// hardly seen.
+    #[test]
+    fn scenes_that_are_taken_are_of_use() {
+        let engine = EngineSettings::default();
+        let recipe = Recipe::by_name("hci-like").unwrap();
+        let mut early = 0;
+        for number in 0..4 {
+            let (scene, attempt) = draw(&recipe, 5, number, &engine).unwrap();
+            assert!(is_of_use(&scene, &engine).unwrap(), "{number}, attempt {attempt}");
+            early += usize::from(attempt < 2);
+            assert!(!is_of_use(&wall_before(&scene.cameras[0]), &engine).unwrap(), "a flat wall");
+            let mut far = scene.clone();
+            let back = Transform::from_translation([0.0, 0.0, 1000.0]);
+            far.cameras.iter_mut().for_each(|camera| camera.pose = camera.pose.after(&back));
+            assert!(!is_of_use(&far, &engine).unwrap(), "a scene far away");
+        }
+        assert!(early >= 2, "{early} of 4");
+    }
+}

@@ -364,6 +364,14 @@ mod tests {
         json!([[1, 0, 0, 1], [0, 0, -1, 2], [0, 1, 0, 3], [0, 0, 0, 1]])
     }
 
+    /// Files have no "-0".
+    #[test]
+    fn no_zero_has_a_sign() {
+        for turned in [WorldUp::Z.file_of([1.0, 2.0, 0.0]), WorldUp::Z.gltf_of([1.0, 0.0, 2.0])] {
+            assert!(turned.iter().all(|x| x.is_sign_positive()), "{turned:?}");
+        }
+    }
+
     #[test]
     fn intrinsics_for_all_or_in_each() {
         let file = json!({ "camera_angle_x": 1.0, "w": 200, "h": 100, "frames": [

@@ -253,6 +253,20 @@ mod tests {
         }
     }
 
+    /// Colors of another pattern than 2 x 2 are not named.
+    #[test]
+    fn other_filters_are_not_named() {
+        let bytes = dng(false);
+        let without = Ok(DngInfo { filter: None, ..expected() });
+        for (place, count, changed) in [(FILTER_SIZE, 2_u32, [4, 0, 2, 0]), (FILTER, 3, [1, 0, 2, 0])] {
+            let mut other = bytes.clone();
+            let at = bytes.windows(2).position(|pair| pair == place.to_le_bytes()).unwrap();
+            other[at + 4..at + 8].copy_from_slice(&count.to_le_bytes());
+            other[at + 8..at + 12].copy_from_slice(&changed);
+            assert_eq!(info(Cursor::new(other)).map_err(|why| why.to_string()), without, "{place}");
+        }
+    }
+
     #[test]
     fn the_codes_are_found_behind_a_preview() {
         let mut bytes = dng(false);

@@ -93,6 +93,18 @@ pub(crate) fn hci_number(number: &str) -> Option<usize> {
 mod tests {
     use super::*;
 
+    /// As many digits as the last number needs, at least three.
+    #[test]
+    fn views_are_numbered_with_equal_digits() {
+        let name = |k: usize, count: usize| layer_of_view("depth", k, count, "pfm");
+        assert_eq!(name(7, 9), "depth/scene_depth_Cam007.pfm");
+        assert_eq!([name(0, 1000), name(999, 1000)], ["depth/scene_depth_Cam000.pfm", "depth/scene_depth_Cam999.pfm"]);
+        assert_eq!(
+            [name(0, 1001), name(1000, 1001)],
+            ["depth/scene_depth_Cam0000.pfm", "depth/scene_depth_Cam1000.pfm"]
+        );
+    }
+
     #[test]
     fn names_that_leave_the_folder_are_found() {
         for name in ["scene_el.png", "hci/input_Cam000.png", "..x", "a b"] {

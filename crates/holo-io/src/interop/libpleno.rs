@@ -331,5 +331,11 @@ mod tests {
             assert!((m.abs() / n - mm(pupil)).abs() < 1e-6, "{k}: {m}");
             assert!(radius > 0.0 && file["lambda"].as_f64().unwrap() < 1.0);
         }
+        // Of a microlens that is a focal length from the sensor, q' is half of its pitch.
+        let lytro = CameraFile::preset("lytro-illum").unwrap().camera;
+        assert!((lytro.microlens_focal_lengths_m()[0] / lytro.array().gap_m - 1.0).abs() < 1e-9);
+        let file: Value = serde_json::from_str(&Libpleno::new(&lytro).unwrap().parameters).unwrap();
+        let (q, pitch) = (vector(&file["q_prime"])[0], file["dC"].as_f64().unwrap());
+        assert!((2.0 * q / pitch - 1.0).abs() < 1e-9, "{q} {pitch}");
     }
 }

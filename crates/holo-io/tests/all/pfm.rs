@@ -137,6 +137,10 @@ fn broken_headers_are_refused() {
         let error = decode(&bytes).expect_err(header);
         assert!(matches!(error, Error::Broken { .. }), "{header:?}: {error}");
     }
+    for header in ["Pf\n0 1\n-1\n", "Pf\n1 0\n-1\n"] {
+        let error = decode(header.as_bytes()).expect_err(header).to_string();
+        assert!(error.contains("above 0"), "{header:?}: {error}");
+    }
     let endless = [b"Pf\n#".as_slice(), &[b'x'; 100_000]].concat();
     assert!(decode(&endless).unwrap_err().to_string().contains("longer than 4096"));
 }

@@ -176,6 +176,41 @@ mod tests {
         }
     }
 
+    /// Rounds of 3 and 5 samples are merged to the means of all eight; a half difference has their weight.
+    #[test]
+    fn rounds_are_merged_by_their_samples() {
+        let tints = [[0.2, 0.4, 0.9], [1.0, 0.8, 0.1]];
+        let guides = |level: f32, tint: [f32; 3]| {
+            let mut all = [[0.0; LANES]; CHANNELS];
+            (all[0], all[1], all[TINT]) = ([0.5; LANES], [level; LANES], [tint::pack(tint); LANES]);
+            all
+        };
+        let (mut color, mut all) = ([[2.0; LANES], [4.0; LANES], [6.0; LANES]], guides(1.0, tints[0]));
+        // Sums of five samples of 10, 5 and 0.
+        let sums = [[50.0; LANES], [25.0; LANES], [0.0; LANES]];
+        merge((&mut color, &mut all), (&sums, &guides(9.0, tints[1])), [3.0, 5.0]);
+        let near = |found: f32, expected: f32, error: f32| {
+            assert!((found / expected - 1.0).abs() < error, "{found} {expected}");
+        };
+        for lane in 0..LANES {
+            for (c, sum) in [56.0, 37.0, 18.0].into_iter().enumerate() {
+                near(color[c][lane], sum / 8.0, 1e-6);
+            }
+            near(all[1][lane], 48.0 / 8.0, 1e-6);
+            near(all[SAMPLES][lane], 8.0, 1e-6);
+            near(all[0][lane], (luminance([2.0, 4.0, 6.0]) - luminance([10.0, 5.0, 0.0])) * 15f32.sqrt() / 8.0, 1e-5);
+            // Tints are packed to 0.4 %, twice.
+            for (c, found) in tint::unpack(all[TINT][lane]).into_iter().enumerate() {
+                near(found, (3.0 * tints[0][c] + 5.0 * tints[1][c]) / 8.0, 0.008);
+            }
+        }
+        // The first round is taken as it is.
+        let (mut color, mut all) = ([[0.0; LANES]; 3], guides(0.0, tints[0]));
+        merge((&mut color, &mut all), (&sums, &guides(9.0, tints[1])), [0.0, 5.0]);
+        assert!(color.iter().zip([10.0, 5.0, 0.0]).all(|(found, expected)| *found == [expected; LANES]));
+        assert_eq!([all[0][0], all[1][0], all[SAMPLES][0], all[TINT][0]], [0.5, 9.0, 5.0, tint::pack(tints[1])]);
+    }
+
     /// Over many pixels of independent samples, the mean square of the half difference is the variance of the mean.
     #[test]
     fn the_half_difference_has_the_variance_of_the_mean() {

@@ -160,6 +160,18 @@ mod tests {
     use super::*;
     use crate::{Material, NormalMap, Texture, TextureInfo};
 
+    #[test]
+    fn tangents_have_unit_length() {
+        assert_eq!(across([3.0, 0.0, -4.0, -2.0], [0.0, 1.0, 0.0]), [0.6, 0.0, -0.8, -1.0]);
+        assert_eq!(across([0.0, 0.3, 0.4, 1.0], [1.0, 0.0, 0.0]), [0.0, 0.6, 0.8, 1.0]);
+        for broken in [[0.0; 3], [f32::NAN, 0.0, 1.0], [f32::INFINITY, 0.0, 0.0]] {
+            let normal = [0.36, 0.48, 0.8];
+            let [x, y, z, sign] = across([broken[0], broken[1], broken[2], 1.0], normal);
+            let along = x * normal[0] + y * normal[1] + z * normal[2];
+            assert!(along.abs() < 1e-6 && (x * x + y * y + z * z - 1.0).abs() < 1e-6 && sign == 1.0, "{x} {y} {z}");
+        }
+    }
+
     /// A square in the plane z = 0 whose left half has mirrored coordinates: u grows away from the middle.
     fn mirrored_halves() -> Scene {
         let map = NormalMap { texture: TextureInfo::new(0), scale: 1.0 };

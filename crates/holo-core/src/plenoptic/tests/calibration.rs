@@ -78,6 +78,11 @@ fn the_array_is_found() {
             let turned = (of.rotation_rad - truth.array().rotation_rad).to_degrees();
             assert!((turned - fold * (turned / fold).round()).abs() < 0.02, "{turned}");
             assert_eq!(of.tilt_rad, [0.0; 2]);
+            if pitch_um == 120.0 {
+                // Any unit of light: a power of 2 changes no rounding.
+                let counts = white.mapv(|light| 4096.0 * light);
+                assert_eq!(nominal.calibrated(counts.view()).unwrap().as_ref(), Some(&found));
+            }
             // Noise moves single centers, not their lattice.
             assert!(found.count > 20 && (amplitude > 0.0 || found.rms_px < most), "{found:?}");
         }
@@ -142,6 +147,32 @@ fn the_tilt_is_found() {
             }
         }
     }
+}
+
+/// The displacement between two cameras is that of each of their micro-images, over all of the sensor: a tilted array has
+/// one that grows with the square of the distance.
+#[test]
+fn a_displacement_is_that_of_every_micro_image() {
+    let of = |tilt_rad: [f64; 2]| {
+        let array = MicrolensArray { tilt_rad, ..MicrolensArray::new(MicrolensGrid::Square, 62.3e-6, 3e-4) };
+        let sensor = ImageSensor::new(GridSize::new(SIZE[0], SIZE[1]), 4.4e-6);
+        let lens = MainLens { exit_pupil_m: Some(20e-3), ..MainLens::new(0.05, 15.0, 2.0) };
+        PlenopticCamera::new(sensor, array, lens).unwrap()
+    };
+    let (truth, known) = (of([0.03, -0.02]), of([0.0; 2]));
+    let found = known.white_displacement(truth.white_image().unwrap().view(), true).unwrap().unwrap();
+    let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+    for line in known.lens_lines(0..SIZE[0]) {
+        for lens in known.lenses_on_line(line, 0..SIZE[0]) {
+            let [from, to] = [&known, &truth].map(|camera| camera.micro_image_center_px(lens));
+            let (expected, found) = ([to[0] - from[0], to[1] - from[1]], found.at(from));
+            worst = worst.max((found[0] - expected[0]).hypot(found[1] - expected[1]));
+            largest = largest.max(expected[0].hypot(expected[1]));
+        }
+    }
+    println!("off by {worst:.4} of {largest:.3} px");
+    // What `white_grid` promises: 0.03 px and a fiftieth of the displacement.
+    assert!(largest > 1.0 && worst < 0.03 + largest / 50.0, "{worst} {largest}");
 }
 
 /// Behind a closed aperture a sixteenth of the sensor is lit.

@@ -267,6 +267,38 @@ fn overlapping_micro_images_have_their_light() {
     }
 }
 
+/// A camera that equals its mirror images has a white image that does. Points of a pixel and a microlens that lean to one
+/// side show here and not in sums.
+#[test]
+fn symmetric_cameras_have_symmetric_white_images() {
+    let pleno = Preset::by_name("pleno-upcs").expect("a preset").camera().expect("a camera");
+    let of = |camera: PlenopticCamera, f_number: f64| {
+        let sensor = ImageSensor { size: GridSize::new(40, 40), ..*camera.sensor() };
+        let mut array = camera.array().clone();
+        (array.rotation_rad, array.offset_m) = (0.0, [0.0; 2]);
+        array.focus = MicrolensFocus::Lengths(vec![camera.microlens_focal_lengths_m()[0]]);
+        PlenopticCamera::new(sensor, array, MainLens { f_number, ..camera.main_lens().clone() }).expect("a camera")
+    };
+    let size = GridSize::new(40, 40);
+    for (name, camera) in [
+        ("wide edges", of(pleno.clone(), pleno.main_lens().f_number)),
+        ("wide edges, f/6", of(pleno, 6.0)),
+        ("illum", of(illum(size), 2.0)),
+        ("r12", of(r12(size), 8.0)),
+    ] {
+        let white = camera.white_image().expect("memory");
+        let mut worst = [0f32; 2];
+        for ((row, column), value) in white.indexed_iter() {
+            let mirrored = [white[[39 - row, column]], white[[row, 39 - column]]];
+            worst = [0, 1].map(|axis| worst[axis].max((value - mirrored[axis]).abs()));
+        }
+        let mean = white.mean().unwrap_or(0.0);
+        println!("{name}: off by {worst:?} of {mean}");
+        // A rounding of f32.
+        assert!(mean > 0.01 && worst.iter().all(|&worst| worst < 2e-7), "{name}: {worst:?} of {mean}");
+    }
+}
+
 /// Closed forms of micro-images: their pitch, centers, and energy, whatever alpha is.
 #[test]
 fn micro_images_have_their_energy_and_pitch() {

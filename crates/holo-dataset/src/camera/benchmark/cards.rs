@@ -78,3 +78,24 @@ fn shade(card: u64, row: u64, column: u64) -> usize {
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((x ^ (x >> 31)) >> 61) as usize % SHADES
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Neighbors have the same shade as often as chance has it, within five standard errors: no stripes, no card like another.
+    #[test]
+    fn shades_of_neighbors_are_independent() {
+        const SIDE: u64 = 64;
+        let (chance, count) = (1.0 / SHADES as f64, (4 * SIDE * SIDE) as f64);
+        for [card_on, row_on, column_on] in [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]] {
+            let cells = (0..4).flat_map(|card| (0..SIDE * SIDE).map(move |k| [card, k / SIDE, k % SIDE]));
+            let is_same = |[card, row, column]: &[u64; 3]| {
+                shade(*card, *row, *column) == shade(card + card_on, row + row_on, column + column_on)
+            };
+            let part = cells.filter(is_same).count() as f64 / count;
+            let error = (chance * (1.0 - chance) / count).sqrt();
+            assert!((part - chance).abs() < 5.0 * error, "{card_on} {row_on} {column_on}: {part}");
+        }
+    }
+}

@@ -82,8 +82,7 @@ pub(super) fn write(
             let (width, height) = sheet_size(shown.len(), tile.dimensions());
             (RgbImage::from_pixel(width, height, Rgb([255; 3])), tile.dimensions())
         });
-        let [column, row] = [k % COLUMNS, k / COLUMNS].map(|place| place as u32);
-        let [x, y] = [column * (size.0 + GAP), row * (size.1 + GAP)].map(i64::from);
+        let [x, y] = corner(k, *size);
         imageops::replace(sheet, &tile, x, y);
     }
     let Some((sheet, _)) = sheet else { return Ok(false) };
@@ -93,6 +92,12 @@ pub(super) fn write(
         .map_err(|why| Error::Failed(why.to_string()))?;
     holo_io::write_png(root.file(name), samples, ColorEncoding::Srgb, Compression::Best)?;
     Ok(true)
+}
+
+/// The upper left corner of a tile.
+fn corner(k: usize, tile: (u32, u32)) -> [i64; 2] {
+    let [column, row] = [k % COLUMNS, k / COLUMNS].map(|place| place as u32);
+    [column * (tile.0 + GAP), row * (tile.1 + GAP)].map(i64::from)
 }
 
 /// The size of a sheet of so many tiles, with gaps between them.
@@ -205,6 +210,23 @@ fn raw_tile<T: Sample>(raw: &Array3<T>) -> RgbImage {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Tiles lie within the sheet, row by row, and reach its ends; none lies on another.
+    #[test]
+    fn tiles_fill_the_sheet() {
+        let tile = (7, 4);
+        for tiles in 1..12 {
+            let (width, height) = sheet_size(tiles, tile);
+            let corners: Vec<[i64; 2]> = (0..tiles).map(|k| corner(k, tile)).collect();
+            let ends = [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).max().unwrap());
+            assert_eq!([ends[0] + 7, ends[1] + 4], [i64::from(width), i64::from(height)], "{tiles}");
+            for (k, [x, y]) in corners.iter().enumerate() {
+                let is_apart =
+                    |[u, v]: &[i64; 2]| (x - u).abs() >= 7 + i64::from(GAP) || (y - v).abs() >= 4 + i64::from(GAP);
+                assert!(corners[..k].iter().all(is_apart), "{tiles} {k}");
+            }
+        }
+    }
 
     /// The one channel of a gray sensor is all three of a tile.
     #[test]

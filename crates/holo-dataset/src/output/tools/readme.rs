@@ -106,3 +106,21 @@ Cameras/*/WhiteImages/MOD_0000.RAW    white image, packed codes without noise
 Images/IMG_0001__frame.raw            raw image, packed codes without noise
 *.TXT, *.json                         metadata of both
 ";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use holo_core::plenoptic::presets;
+
+    #[test]
+    fn the_patch_is_the_largest_odd_number_within_a_micro_image() {
+        for preset in presets() {
+            let camera = preset.camera().unwrap();
+            let (patch, pitch_px) = (odd_patch(&camera), camera.micro_image_pitch_px());
+            assert!(patch % 2 == 1 && patch as f64 <= pitch_px && (patch + 2) as f64 > pitch_px, "{patch} {pitch_px}");
+            assert!(
+                half_pitch(&camera) as f64 >= pitch_px / 2.0 && (half_pitch(&camera) as f64) < pitch_px / 2.0 + 1.0
+            );
+        }
+    }
+}

@@ -324,3 +324,28 @@ fn info(file: &File, dataset: Option<Dataset>, name: String, path: &Path) -> ::h
     }
     Ok(Ok(MatInfo { name, class, is_complex, size }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Chunks of compressed variables are of a mebibyte at most, and not much less where the variable is larger.
+    #[test]
+    fn chunks_are_as_large_as_promised() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.mat");
+        let (bytes, numbers) =
+            (ArrayD::<u8>::zeros(IxDyn(&[1500, 1700])), ArrayD::<f64>::zeros(IxDyn(&[300, 1000, 2])));
+        let variables = [
+            MatVariable { name: "bytes", value: MatValue::U8(bytes.view()) },
+            MatVariable { name: "numbers", value: MatValue::F64(numbers.view()) },
+        ];
+        write(&path.as_path(), &variables, true).unwrap();
+        let file = File::open(&path).unwrap();
+        for (name, bytes) in [("bytes", 1), ("numbers", 8)] {
+            let chunk = file.dataset(name).unwrap().chunk().unwrap();
+            let size = bytes * chunk.iter().product::<usize>();
+            assert!((CHUNK_BYTES / 3..=CHUNK_BYTES).contains(&size), "{name}: {chunk:?}");
+        }
+    }
+}

@@ -143,3 +143,31 @@ fn image(path: &Path) -> Result<Texture, Error> {
         filter: Filter::Linear,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Instance, Material, Mesh, Scene};
+
+    /// A model lies in the unit ball of its pose, whatever its own size and place.
+    #[test]
+    fn models_fill_their_balls() {
+        let positions = vec![[1.0, 5.0, -2.0], [3.0, 5.0, -2.0], [3.0, 9.0, -2.0]];
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
+        let instance = Instance { name: "x".into(), mesh: 0, transform: Transform::IDENTITY };
+        let (meshes, instances) = (vec![mesh], vec![instance]);
+        let scene = Scene { meshes, instances, materials: vec![Material::default()], ..Scene::default() };
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("x.glb"), gltf::to_glb(&scene).unwrap()).unwrap();
+        let models = Models::read(Some(folder.path()), None).unwrap();
+        // Half of the diagonal of 2 x 4 x 0.
+        let radius = 5.0_f64.sqrt();
+        assert!(models.len() == 1 && (models.lowest(0) + 2.0 / radius).abs() < 1e-6, "{}", models.lowest(0));
+        let mut studio = Studio::new(Vec::new());
+        models.add(0, &mut studio, &Transform::IDENTITY);
+        let (low, high) = studio.with_camera([0.0, 0.0, 5.0], [0.0; 3]).bounds().unwrap();
+        for (found, expected) in low.iter().chain(&high).zip([-1.0, -2.0, 0.0, 1.0, 2.0, 0.0]) {
+            assert!((found - expected / radius).abs() < 1e-6, "{low:?} {high:?}");
+        }
+    }
+}

@@ -204,6 +204,17 @@ fn normals_are_unit_vectors() {
     // Long and short normals are normalized; zero becomes the normal of the face.
     assert_eq!(loaded.scene.meshes[0].normals, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
     assert_contains(&loaded.warnings.join("\n"), &["meshes[0].primitives[0]", "normals that are zero or not finite"]);
+    // That of a face in any position: (1, 2, 2) / 3 is perpendicular to (2, -2, 1) and (2, 1, -2), in this order.
+    let mut other = triangle();
+    let turned = other.floats(&[[5.0_f32, 6.0, 7.0], [7.0, 4.0, 8.0], [7.0, 7.0, 5.0]]);
+    let zeros = other.floats(&[[0.0_f32; 3]; 3]);
+    other.json["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": turned, "NORMAL": zeros });
+    for normal in &other.load().unwrap().scene.meshes[0].normals {
+        assert!(
+            normal.iter().zip([1.0, 2.0, 2.0]).all(|(x, expected)| (3.0 * x - expected).abs() < 1e-6),
+            "{normal:?}"
+        );
+    }
     // So do normals that are no numbers.
     file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(broken);
     let loaded = file.load().unwrap();

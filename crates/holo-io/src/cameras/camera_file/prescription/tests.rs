@@ -177,6 +177,11 @@ fn other_programs_prescriptions_are_read() {
         assert_eq!(front.semi_aperture_m, 0.01);
     }
     assert_eq!(zemax.surfaces()[0].medium, glass("N-BK7").unwrap());
+    // A glass of no catalog is what its numbers say; without them it is named.
+    let medium = |glass: &str| read(&ZEMAX.replace("GLAS N-BK7 0 0 1.5168 64.17", glass), "lens.zmx");
+    let of_numbers = medium("GLAS NO-GLASS 0 0 1.62 36.4").unwrap().surfaces()[0].medium;
+    assert_eq!(of_numbers, Medium::Abbe { nd: 1.62, vd: Some(36.4) });
+    assert!(medium("GLAS NO-GLASS 0 0 0 0").unwrap_err().to_string().contains("NO-GLASS"));
     assert!((zemax.paraxial().focal_length_m - deeplens.paraxial().focal_length_m).abs() < 1e-6);
     assert!(zemax.surfaces()[0].is_stop && deeplens.surfaces()[2].is_stop);
 }
