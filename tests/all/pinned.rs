@@ -1,5 +1,5 @@
-//! Renders of the library and scenes of recipes, pinned to the bit: SHA-256 of every render's arrays and of every scene's
-//! numbers, against `pinned/arrays.txt`.
+//! Renders of the library and its scenes, pinned to the bit: SHA-256 of every render's arrays, and of the numbers of every scene of
+//! the gallery and the first scenes of every recipe, against `pinned/arrays.txt` and `pinned/scenes.txt`.
 //!
 //! What changes pixels on purpose writes the list anew (`HOLO_PIN=write cargo test --test all pinned::`) and says why in the
 //! changelog; nothing else may change a line of it.
@@ -13,6 +13,7 @@ use crate::pins;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use crate::common::{engines, rig};
 use holo_core::Projection;
@@ -46,8 +47,13 @@ fn lines(name: &str, rendered: &Rendered, lines: &mut BTreeMap<String, String>) 
     }
 }
 
-/// The gallery, and a scene from a file with an environment map.
-fn scenes() -> Vec<(&'static str, Scene)> {
+/// The gallery, and a scene from a file with an environment map; built once.
+fn scenes() -> &'static [(&'static str, Scene)] {
+    static SCENES: OnceLock<Vec<(&str, Scene)>> = OnceLock::new();
+    SCENES.get_or_init(built)
+}
+
+fn built() -> Vec<(&'static str, Scene)> {
     let mut scenes: Vec<_> =
         gallery::NAMES.iter().map(|&name| (name, gallery::scene(name).expect("a scene of the gallery"))).collect();
     let radiance = folder().join("radiance");
@@ -60,8 +66,8 @@ fn scenes() -> Vec<(&'static str, Scene)> {
 
 fn arrays(backend: Backend, engine: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
-    for (name, scene) in scenes() {
-        let renderer = Renderer::new(&scene, &scene.cameras[0].pose, backend, None).expect("a renderer");
+    for &(name, ref scene) in scenes() {
+        let renderer = Renderer::new(scene, &scene.cameras[0].pose, backend, None).expect("a renderer");
         let sky = if name == "garden" { [0.3, 0.4, 0.5] } else { [0.0; 3] };
         let focused = |views, lenses, projection| rig(views, lenses, 1e-3, 0.6, projection);
         let dense = focused([5, 6], [12, 17], Projection::Perspective);
@@ -98,24 +104,39 @@ fn digest_of_scene(scene: &Scene) -> String {
     Sha256::of(&bytes).to_string()
 }
 
-/// The first scenes of every recipe that is built in.
-fn recipes() -> BTreeMap<String, String> {
-    let numbered = recipe::NAMES.iter().flat_map(|&name| (0..6).map(move |number| (name, number)));
-    let pinned = |(name, number): (&str, u64)| {
-        let scene = Recipe::by_name(name).expect("a recipe").scene(7, number, 0);
-        (format!("recipe/{name}/{number}"), digest_of_scene(&scene))
-    };
-    numbered.map(pinned).collect()
+#[test]
+fn no_number_of_a_scene_changes() {
+    if !is_pinned_here() {
+        return;
+    }
+    let others = gallery::STRATIFIED.iter().chain(gallery::ANIMATED);
+    let others = others.map(|&name| (name.to_owned(), gallery::scene(name).expect("a scene of the gallery")));
+    let drawn = recipe::NAMES.iter().flat_map(|&name| {
+        let recipe = Recipe::by_name(name).expect("a recipe");
+        (0..6).map(move |number| (format!("{name}/{number}"), recipe.scene(7, number, 0)))
+    });
+    let mut found: BTreeMap<String, String> =
+        others.chain(drawn).map(|(name, scene)| (name, digest_of_scene(&scene))).collect();
+    found.extend(scenes().iter().map(|(name, scene)| ((*name).to_owned(), digest_of_scene(scene))));
+    pins::check(&folder().join("pinned").join("scenes.txt"), &found, |_| false);
+}
+
+/// Whether this is the system whose bytes are pinned; says so if not.
+fn is_pinned_here() -> bool {
+    let is_here = cfg!(all(target_os = "linux", target_env = "gnu", target_arch = "x86_64"));
+    if !is_here {
+        println!("not run: the arrays are pinned on 64-bit x86 Linux with glibc");
+    }
+    is_here
 }
 
 #[test]
 fn no_bit_of_a_render_changes() {
-    if !cfg!(all(target_os = "linux", target_env = "gnu", target_arch = "x86_64")) {
-        println!("not run: the arrays are pinned on 64-bit x86 Linux with glibc");
+    if !is_pinned_here() {
         return;
     }
     let list = folder().join("pinned").join("arrays.txt");
-    let mut found = recipes();
+    let mut found = BTreeMap::new();
     for backend in engines() {
         let name = Renderer::new(&common::soup(4, 1), &holo_scene::Transform::IDENTITY, backend, NonZeroUsize::new(1))
             .expect("a renderer")
