@@ -90,17 +90,29 @@ fn arrays(backend: Backend, engine: &str) -> BTreeMap<String, String> {
     found
 }
 
-/// The digest of a scene: its numbers, not their form in a file.
+/// The digest of all that a scene has, whatever its form in a file.
 fn digest_of_scene(scene: &Scene) -> String {
-    let mut bytes =
-        format!("{:?} {:?} {:?} {:?}", scene.instances, scene.materials, scene.lights, scene.cameras).into_bytes();
-    for mesh in &scene.meshes {
-        let numbers =
-            [mesh.positions.as_flattened(), mesh.normals.as_flattened(), mesh.texture_coordinates.as_flattened()];
+    let Scene { meshes, instances, materials, textures, lights, environment, cameras } = scene;
+    let mut bytes = format!("{instances:?} {materials:?} {lights:?} {cameras:?}").into_bytes();
+    for mesh in meshes {
+        let numbers = [
+            mesh.positions.as_flattened(),
+            mesh.normals.as_flattened(),
+            mesh.tangents.as_flattened(),
+            mesh.texture_coordinates.as_flattened(),
+            mesh.second_texture_coordinates.as_flattened(),
+            mesh.colors.as_flattened(),
+        ];
         bytes.extend(numbers.concat().iter().flat_map(|x| x.to_bits().to_le_bytes()));
         bytes.extend(mesh.triangles.as_flattened().iter().flat_map(|k| k.to_le_bytes()));
+        bytes.extend(mesh.material.to_le_bytes());
     }
-    scene.textures.iter().for_each(|texture| bytes.extend(texture.texels.as_flattened()));
+    for texture in textures {
+        bytes.extend([texture.width, texture.height].into_iter().flat_map(usize::to_le_bytes));
+        bytes.extend(texture.texels.as_flattened());
+    }
+    let light = environment.iter().flat_map(|environment| &environment.radiance);
+    bytes.extend(light.flat_map(|x| x.to_bits().to_le_bytes()));
     Sha256::of(&bytes).to_string()
 }
 

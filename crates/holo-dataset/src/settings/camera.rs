@@ -200,3 +200,20 @@ pub fn adjusted_camera(mut camera: CameraFile, given: &mut Given) -> Result<Came
     }
     Ok(camera)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cameras_know_the_pixels_of_their_images() {
+        let of = |pixels: Pixels| Camera::Rig(RigSettings { pixels, ..RigSettings::default() }).size();
+        assert_eq!(of(Pixels::Lenses(GridSize::new(3, 4))), Some(GridSize::new(3, 4)));
+        // 5304 x 7952 pixels behind 100 x 100 views, without the rest.
+        assert_eq!(of(Pixels::Sensor(Sensor::Paper8k)), Some(GridSize::new(53, 79)));
+        assert_eq!(Camera::Pinhole.size(), None);
+        let file = CameraFile::preset("lytro-illum").unwrap();
+        let size = file.camera.sensor().size;
+        assert_eq!(Camera::from(file).size(), Some(size));
+    }
+}
