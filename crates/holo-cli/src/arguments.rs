@@ -104,7 +104,7 @@ pub enum Command {
     Synthesize(SynthesizeOptions),
     /// Find where other cameras of an array see the points of a camera's pixels, and which are hidden.
     Correspond(CorrespondOptions),
-    /// Estimate a disparity map of the central view (not meters: disparity in pixels) from all views.
+    /// Estimate the disparity of the central view, px, or the depth of a camera of an array, m.
     Depth(DepthOptions),
     /// Score a disparity map against ground truth (BadPix, MSE ...), or an image against another (PSNR, SSIM).
     Eval(EvalOptions),
@@ -131,7 +131,7 @@ pub enum Command {
     /// Render the data of a benchmark, with the truth.
     #[command(subcommand)]
     Benchmark(Benchmark),
-    /// Decode the raw image of an unfocused plenoptic camera to views.
+    /// Decode the raw image of a plenoptic camera to views.
     Decode(DecodeOptions),
     /// Expose an image sensor with noise to a raw image or any other in linear light: mosaic, DNG, and the same without noise.
     Develop(DevelopOptions),
@@ -152,7 +152,7 @@ pub struct RenderOptions {
     /// Folder for the results; created if missing.
     #[arg(long, value_name = "DIR", help_heading = FILES)]
     pub out: PathBuf,
-    /// TOML file with options: `spp = 64`, `views = "20x20"`. The command line wins.
+    /// TOML file with settings: `spp = 64`, `views = "20x20"`. The command line wins.
     #[arg(long, value_name = "FILE", help_heading = RUNNING)]
     pub config: Option<PathBuf>,
     /// Settings with a name: draft, clean, reference, hci, urbanlf, paper-8k.
@@ -268,8 +268,8 @@ pub struct PackOptions {
     /// Folder for the archives: train-000000.tar, test-000000.tar and so on; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Files of every light field, without `scene_`, separated by commas, such as el.png,disparity.pfm [default: all
-    /// but subfolders, and beside el.png without vpi.png and 5d.mat, which have its pixels].
+    /// Files of every light field, without `scene_`, separated by commas, such as el.png,masks.fine.png [default: all, but
+    /// beside el.png neither vpi.png, 5d.mat nor the views of hci, which have its pixels].
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub fields: Option<Vec<String>>,
     /// Largest size of an archive, MB; one light field is never divided.
@@ -304,8 +304,8 @@ Examples:
 
 const GENERATE_EXAMPLES: &str = "\
 Examples:
-  holo generate --count 1000 --seed 1 --recipe hci-like --preset clean --out set     # 9 x 9 views of 192 x 192 px, with truth
-  holo generate --count 1000 --seed 1 --recipe hci-like --preset clean --out set --shard 2/4
+  holo generate --count 1000 --recipe hci-like --spp 4 --integrator direct --out set # 9 x 9 views of 192 x 192 px, with truth
+  holo generate --count 1000 --recipe hci-like --spp 4 --integrator direct --out set --shard 2/4
   holo generate --count 20 --out large --lenses 512x512
   holo generate --count 100 --out own --recipe own.toml                              # a recipe with models of one's own";
 

@@ -39,7 +39,7 @@
 //!
 //! # Equations
 //!
-//! Equation numbers refer to the paper that the crate's README names.
+//! Equation numbers are those of the paper on simulated holoscopic cameras that this project follows.
 //!
 //! | equation | item |
 //! |---|---|

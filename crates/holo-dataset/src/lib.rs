@@ -5,7 +5,7 @@
 //! scenes x cameras             -> DatasetPlan -> <scene>/<camera>/ each, dataset.json, DATASET.md, catalog
 //! ```
 //!
-//! A job has a shot for every pose and every frame; each shot has a folder of its own. A folder is complete when it has
+//! A job has a shot for every pose and every frame; each of these has a folder of its own. A folder is complete when it has
 //! its manifest, which is written last and contains the digest of every file. Shots that are up to date are kept, so that
 //! an interrupted job or dataset continues. The work for one image can be distributed ([`Shard`]) and combined by
 //! [`merge`]. [`verify`] compares files with their digests.

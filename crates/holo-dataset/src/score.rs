@@ -19,6 +19,7 @@
 
 mod stratified;
 
+use std::iter;
 use std::path::Path;
 
 use holo_core::metrics::{
@@ -26,7 +27,7 @@ use holo_core::metrics::{
     disparity_scores, fattening_percent, median_angle_error_deg, thinning_percent, trivial_constant, trivial_plane,
 };
 use holo_core::{Error as CoreError, GridSize, Rig, Sample, for_each_sample};
-use holo_io::Limits;
+use holo_io::{Folder, Limits};
 use ndarray::{Array2, ArrayView2, Axis};
 
 pub(crate) use self::stratified::Objects;
@@ -339,21 +340,21 @@ pub fn region_masks(map: &Path, dim: (usize, usize)) -> Result<Vec<RegionMask>, 
     Ok(out)
 }
 
-/// Reads the masks of regions that are files. They lie in `masks/` beside the map or in the folder
-/// above, or beside the map under the names of the HCI benchmark. Masks of another size are left out.
+/// Reads the masks of regions that are files. They lie beside the map or in the folder above, in `masks/` or under the
+/// names of the HCI benchmark. Masks of another size are left out.
 ///
 /// # Errors
 /// [`Error::Io`] if one of them cannot be read.
 pub(crate) fn mask_files(map: &Path, (rows, columns): (usize, usize)) -> Result<Vec<RegionMask>, Error> {
-    let folder = map.parent().unwrap_or(Path::new(""));
-    let mut out = Vec::new();
+    let (places, mut out) = (Folder::around(map), Vec::new());
     for (name, of_hci) in REGIONS {
-        let own = ["masks", "../masks"].map(|inner| folder.join(inner).join(format!("{name}.png")));
-        let of_hci = of_hci.into_iter().flat_map(|of_hci| {
-            ["_lowres", "_highres", ""].map(|resolution| folder.join(format!("{of_hci}{resolution}.png")))
-        });
-        for path in own.into_iter().chain(of_hci).filter(|path| path.is_file()) {
-            let mask = read_mask(&path)?;
+        let of_hci = of_hci
+            .into_iter()
+            .flat_map(|of_hci| ["_lowres", "_highres", ""].map(|resolution| format!("{of_hci}{resolution}.png")));
+        let files: Vec<String> = iter::once(format!("masks/{name}.png")).chain(of_hci).collect();
+        let found = files.iter().flat_map(|file| places.iter().map(move |folder| (folder, file)));
+        for (folder, file) in found.filter(|(folder, file)| folder.has_file(file)) {
+            let mask = read_mask(&folder.path_of(file))?;
             if mask.dim() == (rows, columns) {
                 out.push((name.to_owned(), mask));
                 break;

@@ -70,21 +70,19 @@
 //!
 //! # Features
 //!
-//! On by default: `png`, everything that needs a PNG codec; `exr`, OpenEXR, through the crate `exr`; `hdr`, Radiance
-//! HDR, which needs no other crate; `mat`, MAT files of version 5, whose numbers the crate `matfile` decodes; `tiff`, TIFF, through the crate `tiff`; `gif`, animated
-//! GIF; `camera`, camera files, through the crate `toml`. On request: `hdf5`, HDF5, and with `mat` MAT files of version 7.3; it builds the HDF5 library from its C source, which
-//! needs CMake. PFM, `parameters.cfg` and the manifest are always there, and so is [`detect_format`] for every format.
+//! `hdf5`: HDF5 and MAT files of version 7.3. It builds the HDF5 library from its C source, which needs CMake. All other
+//! formats are always there.
 //!
 //! # Panics in decoders
 //!
-//! The crates `exr`, `matfile` and `tiff` may panic on a damaged file. A panic guard turns such a panic into an [`Error`]. A
+//! The crates `exr`, `matfile`, `tiff` and `image-extras` may panic on a damaged file. A panic guard turns such a panic into an [`Error`]. A
 //! program whose panic hook prints should call [`is_guarding`] first and print nothing where it is true. The HDF5
 //! library is C code: read `.h5` and version 7.3 files only from sources you trust.
 //!
 //! # What is not here
 //!
 //! The writers leave the pixels as they are: exposure, the sRGB curve and the change of layout are the caller's. The
-//! crate prints nothing, ends no process and creates no folders.
+//! crate prints nothing, ends no process, and creates folders only on request.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // The table above names what the features add.

@@ -40,7 +40,7 @@ pub use reader::{LightFieldFile, LightFieldFormat, LightFieldReader};
 /// |---|---|---|
 /// | dataset folder ² | its `manifest.json` | the manifest |
 /// | files of a dataset folder without a manifest ² | their names | as of each file |
-/// | folder of an unfocused plenoptic camera | `camera.toml`, `raw.exr` or `raw_linear.png` | the camera |
+/// | folder of a plenoptic camera | `camera.toml`, `raw.exr` or `raw_linear.png` | the camera |
 /// | HCI folder | `parameters.cfg` and `input_Cam*.png` | `parameters.cfg` |
 /// | Stanford gantry folder | `out_ROW_COLUMN_Y_X.png` | none: the unit of its positions is unknown |
 /// | LightPack of Stanford | `NAME.lid`: its words; images `NAME.U.V.rgb` of one slab, or `.tif`, `.png` | none |
@@ -49,7 +49,7 @@ pub use reader::{LightFieldFile, LightFieldFormat, LightFieldReader};
 /// | `lf.h5` of the old HCI benchmark | its dataset `/LF` | its attributes |
 /// | folder of images | PNGs of any other name in natural order, and [`ReadOptions::views`] or names with row and column ³ | `parameters.cfg` in it ¹ |
 /// | raw PNG, TIFF or EXR | its signature | sidecar `parameters.cfg` ¹ |
-/// | raw image of an unfocused plenoptic camera | colors, no layout in its name, sidecar `camera.toml` of its size | the camera |
+/// | raw image of a plenoptic camera | colors, no layout in its name, sidecar `camera.toml` of its size | the camera |
 /// | MAT file, version 5 or 7.3 | its header | its variables, else the sidecar `parameters.cfg` ¹ |
 /// | HDF5 file | its signature | its attributes, else the sidecar `parameters.cfg` ¹ |
 ///

@@ -1,6 +1,8 @@
 //! What a full render will take, and the commands that make it.
 
+use holo_dataset::settings::Setting;
 use holo_dataset::{Camera, Output, Prepared, RenderSettings, SceneSource};
+use holo_io::CameraFile;
 use holo_render::{Denoise, Integrator};
 use serde_json::{Value, json};
 
@@ -91,17 +93,24 @@ pub(crate) fn commands(source: &SceneSource, look: &Look, settings: &RenderSetti
         _ => format!("{name}.glb"),
     };
     // The gallery writes its scenes itself.
-    let first =
-        if matches!(source, SceneSource::Gallery(..)) { format!("holo scene {name} && ") } else { String::new() };
+    let (first, scene) = match source {
+        SceneSource::Gallery(..) => {
+            (format!("holo scene {name} && "), format!("holo.Scene.gallery({})", python_text(&name)))
+        }
+        _ => (String::new(), python_text(&path)),
+    };
     let camera = match (look.camera.as_str(), &settings.camera) {
-        (OWN_CAMERA, Camera::Plenoptic(file)) => Some(format!("{}.toml", file.name)),
+        (OWN_CAMERA, Camera::Plenoptic(file)) => {
+            let is_preset = CameraFile::preset(&file.name).is_some_and(|preset| preset == **file);
+            Some(format!("{}{}", file.name, if is_preset { "" } else { ".toml" }))
+        }
         ("", _) => None,
         (preset, _) => Some(preset.to_owned()),
     };
     let is_used = |key: &str| look.camera.is_empty() || !is_of_rig(key);
     let given = || look.settings.iter().filter(|(key, text)| !text.trim().is_empty() && is_used(key));
     let mut shell = format!("{first}holo render {} --out {}", quoted(&path), quoted(&name));
-    let mut python = format!("holo.render_to({}, {}", python_text(&name), python_text(&path));
+    let mut python = format!("holo.render_to({}, {scene}", python_text(&name));
     if let Some(camera) = camera {
         shell += &format!(" --camera-file {}", quoted(&camera));
         python += &format!(", camera_file={}", python_text(&camera));
@@ -114,7 +123,8 @@ pub(crate) fn commands(source: &SceneSource, look: &Look, settings: &RenderSetti
             Ok(number) if number.is_finite() => text.clone(),
             _ => python_text(text),
         };
-        python += &format!(", {}={value}", key.replace('-', "_"));
+        let keyword = Setting::by_key(key).map_or_else(|| key.clone(), Setting::keyword);
+        python += &format!(", {keyword}={value}");
     }
     Commands { shell, python: python + ")" }
 }
@@ -152,10 +162,25 @@ mod tests {
     }
     #[test]
     fn commands_of_plenoptic_cameras_have_no_settings_of_rigs() {
-        let settings = [("views", "9"), ("spp", "4")].map(|(key, text)| (key.to_owned(), text.to_owned())).into();
+        let pairs = [("for", "plenpy"), ("views", "9"), ("spp", "4")];
+        let settings = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).into();
         let look = Look { settings, camera: "lytro-illum".into(), ..Look::default() };
-        let source = SceneSource::file("room.glb");
-        let commands = commands(&source, &look, &RenderSettings::default());
-        assert_eq!(commands.shell, "holo render room.glb --out room --camera-file lytro-illum --spp 4");
+        let source = SceneSource::gallery("plaster").unwrap();
+        let found = commands(&source, &look, &RenderSettings::default());
+        let shell = "holo scene plaster && holo render plaster.glb --out plaster --camera-file lytro-illum --for plenpy --spp 4";
+        assert_eq!(found.shell, shell);
+        assert_eq!(
+            found.python,
+            r#"holo.render_to("plaster", holo.Scene.gallery("plaster"), camera_file="lytro-illum", tools="plenpy", spp=4)"#
+        );
+        // A preset that the program was given.
+        let look = Look { camera: OWN_CAMERA.into(), ..Look::default() };
+        let mut file = CameraFile::preset("h3dv").unwrap();
+        for (name, ending) in [("h3dv", ""), ("own", ".toml")] {
+            file.name = name.into();
+            let settings = RenderSettings::default().camera(file.clone());
+            let shell = commands(&source, &look, &settings).shell;
+            assert!(shell.ends_with(&format!("--camera-file {name}{ending}")), "{shell}");
+        }
     }
 }

@@ -14,7 +14,7 @@
 mod socket;
 
 use std::io::{self, Read, Write};
-use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -180,7 +180,7 @@ impl Server {
             return Err("the token is not that of this preview: open the address that the program printed");
         }
         let header = |name: &str| request.headers().get(name).and_then(|value| value.to_str().ok());
-        let is_own = |host: &str| self.hosts().iter().any(|own| own == host);
+        let is_own = |host: &str| self.is_own(host);
         if !header("host").is_some_and(is_own) {
             return Err("the host is not that of this preview");
         }
@@ -192,14 +192,19 @@ impl Server {
         Ok(())
     }
 
-    /// The names that this server has in requests.
-    fn hosts(&self) -> Vec<String> {
-        let port = self.address.port();
-        let mut hosts = vec![self.address.to_string()];
-        if self.address.ip().is_loopback() || self.address.ip().is_unspecified() {
-            hosts.extend([format!("127.0.0.1:{port}"), format!("localhost:{port}")]);
+    /// Whether a request names this server. A name but `localhost` may be one of another page that leads here; an address
+    /// is none.
+    fn is_own(&self, host: &str) -> bool {
+        let (own, port) = (self.address.ip(), self.address.port());
+        let is_local = own.is_loopback() || own.is_unspecified();
+        match host.parse::<SocketAddr>() {
+            Ok(named) => {
+                let is_here =
+                    own.is_unspecified() || named.ip() == own || is_local && named.ip() == Ipv4Addr::LOCALHOST;
+                named.port() == port && is_here
+            }
+            Err(_) => is_local && host.strip_prefix("localhost:").is_some_and(|named| named == port.to_string()),
         }
-        hosts
     }
 }
 

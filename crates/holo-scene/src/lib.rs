@@ -1,7 +1,7 @@
 //! Scene descriptions for renderers: meshes, materials, textures, lights and cameras.
 //!
 //! A [`Scene`] is plain data in world coordinates (right-handed, +Y up, meters). It can be built in code, loaded from
-//! glTF ([`gltf`]), taken from the gallery of sixteen scenes (module `gallery`, behind the feature of that name), or drawn from a recipe
+//! glTF ([`gltf`]), taken from the gallery (module `gallery`, behind the feature of that name), or drawn from a recipe
 //! (module `recipe`, behind the same).
 //! [`Scene::validate`] checks a whole scene at once, so that an index out of range or a NaN vertex is an error and
 //! never a panic. [`gltf::to_glb`] writes a scene as binary glTF, [`gltf::to_glb_animated`] with movements ([`animation`]).

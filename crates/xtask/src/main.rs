@@ -188,5 +188,13 @@ fn clippy() -> Result {
 
 fn build() -> Result {
     setup()?;
-    setup::cargo::run(&[&["build", "--release", "-p", "holo-cli"], features()].concat())
+    setup::cargo::run(&[&["build", "--release", "-p", "holo-cli"], features()].concat())?;
+    // Not copied elsewhere: from here the program finds Embree.
+    let folder = target().join("release");
+    println!("built {}", folder.join(format!("holo{}", std::env::consts::EXE_SUFFIX)).display());
+    if cfg!(unix) {
+        let folder = folder.canonicalize().unwrap_or(folder);
+        println!("to call it holo: export PATH=\"{}:$PATH\"", folder.display());
+    }
+    Ok(())
 }

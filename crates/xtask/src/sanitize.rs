@@ -13,7 +13,7 @@ use crate::{Result, root, target};
 const TARGET: &str = "x86_64-unknown-linux-gnu";
 
 /// Tests of the workspace that use both ray tracing backends and several threads.
-const BACKEND_TESTS: [&str; 5] = ["hard_cases", "ground_truth", "path", "shadows", "layers"];
+const BACKEND_TESTS: [&str; 5] = ["hard_cases::", "ground_truth::", "path::", "shadows::", "layers::"];
 
 /// Runs the named sanitizers, or all three.
 pub fn run(arguments: &[String]) -> Result {
@@ -42,8 +42,8 @@ fn nightly(folder: &str) -> Command {
 }
 
 fn instrumented(sanitizer: &str, arguments: &[&str], variable: &str, options: String) -> Result {
-    let tests = BACKEND_TESTS.iter().flat_map(|test| ["--test", test]).collect::<Vec<_>>();
-    for of in [vec!["-p", "holo-render", "--lib"], [vec!["-p", "holo-workspace"], tests].concat()] {
+    let of_workspace = [&["-p", "holo-workspace", "--test", "all", "--"][..], &BACKEND_TESTS].concat();
+    for of in [vec!["-p", "holo-render", "--lib"], of_workspace] {
         let mut cargo = nightly(sanitizer);
         cargo.args(["test", "--release", "--target", TARGET]).args(arguments).args(of);
         cargo.env("RUSTFLAGS", format!("-Zsanitizer={sanitizer}")).env(variable, &options);

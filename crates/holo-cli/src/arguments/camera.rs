@@ -63,7 +63,8 @@ pub struct TargetOptions {
 
 #[derive(Args, Debug)]
 pub struct CalibrateOptions {
-    /// White images: EXR, or PNG or TIFF in linear light. Several have less noise than one.
+    /// White images of one f-number, in linear light: EXR, PNG or TIFF of floats (integers in a TIFF count as sRGB), or a `.RAW` of
+    /// Lytro. Several have less noise than one.
     #[arg(required = true, value_name = "WHITE")]
     pub white: Vec<PathBuf>,
     /// Camera file to write (TOML).

@@ -106,7 +106,7 @@ pub const EFFORTS: &Choices<Effort> = &[
     (Effort::Draft, "draft", "A handful of views"),
     (Effort::Fast, "fast", "More views, no refinement of the whole image"),
     (Effort::Balanced, "balanced", "A good map in reasonable time"),
-    (Effort::Thorough, "thorough", "All views and every refinement"),
+    (Effort::Thorough, "thorough", "Up to 9 x 9 views, every refinement"),
 ];
 
 /// A parser of these words.

@@ -158,7 +158,8 @@ pub struct DepthOptions {
     /// Nearest and farthest depth to search, m, instead of --range; cameras anywhere need it, light fields their parameters.
     #[arg(long, value_name = "NEAR,FAR", conflicts_with = "range", value_parser = values::depths)]
     pub depths_m: Option<(f64, f64)>,
-    /// Camera of a folder with transforms.json whose depth is estimated [default: the nearest to the middle of all].
+    /// Camera of a folder with transforms.json whose depth is estimated, of a light field NAME:S,T [default: the nearest to the
+    /// middle of all].
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
     /// Smallest and largest disparity to search, px [default: those of the input's parameters, else -4,4].
@@ -187,8 +188,8 @@ pub struct EvalOptions {
     /// Width of the excluded border, px (maps only).
     #[arg(long, value_name = "PX", default_value_t = 15)]
     pub border: usize,
-    /// Score only pixels where this image is not black (maps only); `none`: all [default: scene_hit_mask.png beside the truth,
-    /// which is black where the scene is not hit].
+    /// Score only pixels where this image is not black (maps only); `none`: all [default: scene_hit_mask.png beside or above the
+    /// truth, which is black where the scene is not hit].
     #[arg(long, value_name = "FILE.png|none")]
     pub mask: Option<PathBuf>,
     /// Signed error as an image to write: red too far, white right, blue too near.

@@ -10,7 +10,7 @@ use holo_dataset::{
 };
 use holo_io::dataset::{CAMERA_TOML, RAW_EXR, RAW_PNG};
 use holo_io::interop::LensletGridModel;
-use holo_io::{CameraFile, ColorEncoding, Compression};
+use holo_io::{CameraFile, ColorEncoding, Compression, Folder};
 
 use crate::arguments::{
     CalibrateOptions, CameraOptions, DecodeOptions, EvalCalibrationOptions, TargetOptions, WhiteOptions, open_camera,
@@ -138,18 +138,19 @@ pub fn decode(options: &DecodeOptions) -> Result<(), Failure> {
 
 /// The raw image in a folder of `holo render --camera-file`.
 fn raw_image_in(folder: &Path) -> Result<PathBuf, Failure> {
-    let found = [RAW_EXR, RAW_PNG].map(|name| folder.join(name)).into_iter().find(|path| path.is_file());
-    found.ok_or_else(|| {
+    let opened = Folder::open(folder)?;
+    let found = [RAW_EXR, RAW_PNG].into_iter().find(|name| opened.has_file(name));
+    found.map(|name| folder.join(name)).ok_or_else(|| {
         Failure::Failed(format!("{}: it has neither {RAW_EXR} nor {RAW_PNG}; name the raw image", folder.display()))
     })
 }
 
 /// The camera in the folder of a raw image.
 fn camera_beside(raw: &Path) -> Result<CameraFile, Failure> {
-    let path = raw.with_file_name(CAMERA_TOML);
-    if path.is_file() {
-        return Ok(CameraFile::read(&path)?);
-    }
     std::fs::metadata(raw).map_err(|why| Failure::Failed(format!("cannot read {}: {why}", raw.display())))?;
+    let folder = Folder::beside(raw)?;
+    if folder.kind(CAMERA_TOML)?.is_some() {
+        return Ok(CameraFile::read_in(&folder, CAMERA_TOML)?);
+    }
     Err(Failure::Usage(format!("{}: its folder has no {CAMERA_TOML}; give --camera-file", raw.display())))
 }

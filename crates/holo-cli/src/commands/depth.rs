@@ -1,11 +1,12 @@
 //! `holo depth`: disparity of the central view, estimated from the others, or depth of a camera of an array.
 
+use std::iter;
 use std::path::Path;
 use std::time::Instant;
 
 use holo_core::{DisparityEstimate, PlaneSweepOptions, Rig, ViewIndex, for_each_sample, plane_sweep};
 use holo_dataset::{ArrayViewpoint, estimate_depth, estimate_from_views};
-use holo_io::{ArrayFolder, HciSubset, Limits, WorldUp};
+use holo_io::{ArrayFolder, EntryKind, Folder, HciSubset, Limits, WorldUp};
 use ndarray::Array2;
 
 use super::files;
@@ -44,7 +45,8 @@ pub fn run(options: &DepthOptions) -> Result<(), Failure> {
 
 /// A folder, or the `hci` folder in it, of which some views are missing.
 fn some_views(input: &Path) -> Result<Option<HciSubset>, Failure> {
-    for folder in [input.to_owned(), input.join("hci")] {
+    let inner = Folder::open(input).is_ok_and(|folder| matches!(folder.kind("hci"), Ok(Some(EntryKind::Folder))));
+    for folder in iter::once(input.to_owned()).chain(inner.then(|| input.join("hci"))) {
         if folder.is_dir()
             && let Ok(subset) = HciSubset::open(&folder)
         {

@@ -6,7 +6,7 @@ use holo_core::metrics::{ErrorColors, error_map, psnr_db, ssim};
 use holo_core::{DynImage, GridSize, Rig};
 use holo_dataset::{MapScoring, NamedQuantity, QuantityValue, read_mask};
 use holo_io::dataset::HIT_MASK_PNG;
-use holo_io::{ColorEncoding, Compression, FileFormat, Limits};
+use holo_io::{ColorEncoding, Compression, FileFormat, Folder, Limits};
 use ndarray::Array2;
 
 use crate::arguments::{EvalOptions, NormalsArgument};
@@ -77,10 +77,9 @@ fn mask_of(options: &EvalOptions, size: (usize, usize)) -> Result<(Option<Array2
             false => Ok((Some(read_mask(path)?), path.display().to_string())),
         };
     }
-    let folder = options.truth.parent().unwrap_or(Path::new(""));
-    let folders = [folder.to_owned(), folder.join("..")];
-    let found = folders.iter().map(|folder| folder.join(HIT_MASK_PNG)).find(|path| path.is_file());
-    let Some(path) = found else { return Ok((None, ALL_PIXELS.into())) };
+    let found = Folder::around(&options.truth).into_iter().find(|folder| folder.has_file(HIT_MASK_PNG));
+    let Some(folder) = found else { return Ok((None, ALL_PIXELS.into())) };
+    let path = folder.path_of(HIT_MASK_PNG);
     let mask = read_mask(&path)?;
     if mask.dim() != size {
         return Ok((None, ALL_PIXELS.into()));

@@ -5,7 +5,7 @@ use std::path::Path;
 use holo_core::{Layout, Rig};
 use holo_dataset::{SceneSource, text};
 use holo_io::dataset::{MANIFEST_JSON, PARAMETERS_CFG};
-use holo_io::{FileFormat, FileInfo, LightFieldReader, Limits, Manifest, ParametersCfg, ReadOptions};
+use holo_io::{FileFormat, FileInfo, Folder, LightFieldReader, Limits, Manifest, ParametersCfg, ReadOptions};
 use holo_render::Layer;
 
 use crate::arguments::InfoOptions;
@@ -122,10 +122,11 @@ fn png(path: &Path) -> Result<(), Failure> {
         Some(Layout::ViewpointGrid) => out!("by its name: a grid of views")?,
         None => {}
     }
-    let parameters = path.with_file_name(PARAMETERS_CFG);
-    if parameters.is_file() {
+    if let Ok(folder) = Folder::beside(path)
+        && folder.has_file(PARAMETERS_CFG)
+    {
         out!("beside it:")?;
-        parameter_lines(&ParametersCfg::read(&parameters)?)?;
+        parameter_lines(&ParametersCfg::read_in(&folder, PARAMETERS_CFG)?)?;
     }
     Ok(())
 }

@@ -467,8 +467,8 @@ fn depth_is_estimated_from_cameras_in_a_plane() {
     ok(bench.run("scene tiles --out tiles.glb"));
     let scene = holo_scene::gltf::load(&bench.path("tiles.glb"), &holo_scene::gltf::Limits::default()).unwrap().scene;
     let pose = scene.cameras[0].pose;
-    ok(bench.run("render tiles.glb --views 7 --lenses 144x96 --spp 8 --integrator direct --baseline-m 0.013 --focus-m 0.68 --write el,disparity --out rig"));
-    ok(bench.run("depth rig --effort fast --range=-1.2,1.2 --out rig.pfm"));
+    ok(bench.run("render tiles.glb --views 7 --lenses 108x72 --spp 8 --integrator direct --baseline-m 0.013 --focus-m 0.68 --write el,disparity --out rig"));
+    ok(bench.run("depth rig --effort fast --range=-0.9,0.9 --out rig.pfm"));
     let read = |file: &str| read_pfm_gray(bench.path(file), &Limits::default()).unwrap();
     let rig = bad_pixels(&read("rig.pfm"), &read("rig/scene_disparity.pfm"));
     let mut bad = vec![rig];
@@ -484,7 +484,7 @@ fn depth_is_estimated_from_cameras_in_a_plane() {
             let [x, y, z] = turned.map(world);
             let offset = world([0.013 * right, -0.013 * down, 0.0]);
             let row = |i: usize| json!([x[i], y[i], z[i], pose.translation[i] + offset[i]]);
-            json!({ "file_path": format!("images/{k}.png"), "w": 144, "h": 96, "fl_x": 200.0 * (1.0 + turn * (3.1 * k as f64).sin()),
+            json!({ "file_path": format!("images/{k}.png"), "w": 108, "h": 72, "fl_x": 150.0 * (1.0 + turn * (3.1 * k as f64).sin()),
                 "transform_matrix": [row(0), row(1), row(2), [0, 0, 0, 1]] })
         };
         let file = json!({ "frames": (0..49).map(frame).collect::<Vec<_>>() });
@@ -493,7 +493,7 @@ fn depth_is_estimated_from_cameras_in_a_plane() {
             "render tiles.glb --transforms in.json --transforms-up y --out array --spp 8 --integrator direct --layers depth --overwrite",
         ));
         ok(bench.run("depth array --effort fast --depths-m 0.52,1.1 --camera 24 --out array.pfm"));
-        let focal_m = 200.0 * (1.0 + turn * (3.1 * 24.0_f64).sin()) * 0.013;
+        let focal_m = 150.0 * (1.0 + turn * (3.1 * 24.0_f64).sin()) * 0.013;
         let disparity = |depth_m: ndarray::Array2<f32>| depth_m.mapv(|z| (focal_m / f64::from(z)) as f32);
         bad.push(bad_pixels(&disparity(read("array.pfm")), &disparity(read("array/depth/24.pfm"))));
     }

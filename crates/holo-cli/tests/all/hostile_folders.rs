@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{Bench, Outcome, SCENE, SMALL, wait};
+use crate::common::{Bench, CAMERA, Outcome, SCENE, SMALL, wait};
 use holo_io::{Manifest, hash_file};
 
 /// No command here has work for so long.
@@ -386,6 +386,49 @@ fn views_are_read_through_no_link_and_no_pipe() {
         failed(&holo(&bench, "verify poses"), &["transforms.json"]);
         fs::remove_file(&path).unwrap();
     }
+}
+
+/// What belongs to a file that is named lies beside it: the camera of a raw image and its lens, masks of a map.
+#[test]
+fn files_beside_a_named_one_are_read_through_no_link_and_no_pipe() {
+    let bench = bench();
+    fs::write(bench.path("small.toml"), CAMERA).unwrap();
+    let made = holo(&bench, &format!("render {SCENE} --out raw --camera-file small.toml --spp 1 --sky 1,1,1"));
+    assert_eq!(made.code, Some(0), "{made:?}");
+    let (camera, lens) = (bench.path("raw/camera.toml"), bench.path("raw/lens.csv"));
+    let commands = ["decode raw --out views", "depth raw/raw.exr --out map.pfm", "view raw/raw.exr -o page.html"];
+    let text = fs::read_to_string(&camera).unwrap().replace("[main_lens]", "[main_lens]\nprescription = \"lens.csv\"");
+    fs::write(&camera, text).unwrap();
+    let link = |path: &Path| symlink("../victim/keep.txt", path).unwrap();
+    for (make, word) in [(&pipe as &dyn Fn(&Path), "pipe"), (&link, "symbolic link")] {
+        make(&lens);
+        commands.iter().for_each(|command| failed(&holo(&bench, command), &["lens.csv", word]));
+        fs::remove_file(&lens).unwrap();
+    }
+    fs::remove_file(&camera).unwrap();
+    symlink("../small.toml", &camera).unwrap();
+    failed(&holo(&bench, "decode raw --out views"), &["camera.toml", "symbolic link"]);
+    assert!(!bench.path("views").exists() && !bench.path("map.pfm").exists());
+
+    let size = "--lenses 96x64 --views 5 --baseline-m 0.05 --spp 1";
+    let made = holo(&bench, &format!("render {SCENE} --out out {size} --write el,disparity,masks"));
+    assert_eq!(made.code, Some(0), "{made:?}");
+    let map = "out/scene_disparity.pfm";
+    let scores = || {
+        let outcome = holo(&bench, &format!("eval {map} {map} --border 0"));
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        outcome.stdout + &outcome.stderr
+    };
+    let own = ["occluded", "scene_hit_mask.png"];
+    let of_regions = scores();
+    assert!(own.iter().all(|name| of_regions.contains(name)), "{of_regions}");
+    fs::create_dir(bench.path("away")).unwrap();
+    for name in ["masks", "scene_hit_mask.png"] {
+        fs::rename(bench.path("out").join(name), bench.path("away").join(name)).unwrap();
+        symlink(format!("../away/{name}"), bench.path("out").join(name)).unwrap();
+    }
+    let without = scores();
+    assert!(!own.iter().any(|name| without.contains(name)), "{without}");
 }
 
 /// Row 11.

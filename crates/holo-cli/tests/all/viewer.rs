@@ -170,12 +170,12 @@ fn a_browser_shows_what_the_files_say() {
     }
 }
 
-/// The smallest counts there are; gray; no rig.
+/// The smallest counts there are, one view and one lens; gray; no rig.
 #[test]
 fn a_browser_shows_one_view_and_one_lens() {
     let bench = Bench::new();
-    for (views, rows, columns) in [("1x1", 6, 9), ("9x6", 6, 9), ("3x2", 6, 9)] {
-        let image = Array3::from_shape_fn((rows, columns, 1), |(row, column, _)| (row * 40 + column * 5) as u8);
+    for views in ["1x1", "9x6"] {
+        let image = Array3::from_shape_fn((6, 9, 1), |(row, column, _)| (row * 40 + column * 5) as u8);
         holo_io::write_png(bench.path("raw_el.png"), image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
         ok(bench.run(&format!("view raw_el.png --views {views} -o page.html")));
         if !browse(&bench, &["page.html", "raw_el.png"]) {

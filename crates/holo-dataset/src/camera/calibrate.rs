@@ -38,8 +38,8 @@ pub struct Calibrated {
 }
 
 impl Calibrated {
-    /// Finds the microlens array of a camera by its white images, EXR or PNG or TIFF in linear light, or of a Lytro camera.
-    /// Several have less noise than one. Colors are averaged.
+    /// Finds the microlens array of a camera by its white images of one f-number, EXR, PNG or TIFF of floats in linear light, or of a
+    /// Lytro camera. Several have less noise than one. Colors are averaged.
     ///
     /// # Errors
     /// [`Error::Io`] if an image cannot be read; [`Error::Core`] if sizes differ; [`Error::Failed`] if there is no lattice of

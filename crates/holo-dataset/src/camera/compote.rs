@@ -20,11 +20,9 @@ impl TargetJob {
     pub(crate) fn of_folder(path: &Path) -> Result<Self, Error> {
         let bad =
             |what: &str| Error::BadRequest(format!("{}: {what}; render boards with `holo target`", path.display()));
-        if !path.join(CAMERA_TOML).is_file() || !path.join("corners.csv").is_file() {
-            return Err(bad("it has no boards"));
-        }
-        let camera = CameraFile::read(path.join(CAMERA_TOML))?;
-        let manifest = Manifest::read_in(&Folder::open(path)?)?;
+        let is_one = |folder: &Folder| folder.has_file(CAMERA_TOML) && folder.has_file("corners.csv");
+        let folder = Folder::open(path).ok().filter(is_one).ok_or_else(|| bad("it has no boards"))?;
+        let (camera, manifest) = (CameraFile::read_in(&folder, CAMERA_TOML)?, Manifest::read_in(&folder)?);
         let text = |key: &str| match manifest.settings.get(key) {
             Some(ManifestValue::Text(text)) => Some(text.clone()),
             _ => None,

@@ -1,8 +1,8 @@
 //! A dataset as WebDataset archives, which training programs read one after another, also from a web server.
 //!
 //! A sample is a light field, or the raw image of a plenoptic camera. Its files share a key, and what follows the first dot of a name is the field: of
-//! `garden/20x20/scene_el.png` the archive has `garden_20x20.el.png`, and beside the files of every folder
-//! `garden_20x20.json`, its record in `croissant.json`. Archives are tar files without owners and times, so that equal
+//! `garden/20x20/scene_el.png` the archive has `garden_20x20.el.png`, of `garden/20x20/masks/fine.png`
+//! `garden_20x20.masks.fine.png`, and beside the files of every folder `garden_20x20.json`, its record in `croissant.json`. Archives are tar files without owners and times, so that equal
 //! datasets give equal bytes; a new one begins where the limit of bytes would be exceeded.
 //!
 //! # Source
@@ -22,15 +22,14 @@ use super::verify::is_dataset;
 use crate::output::{OutputFolder, Rollback, existing};
 use crate::{Error, settings::text};
 
-/// Files that hold the pixels of `scene_el.png` again.
-const COPIES: [&str; 2] = [VIEWPOINT_PNG, LIGHT_FIELD_MAT];
+/// What the names of files begin with that hold the pixels of `scene_el.png` again.
+const COPIES: [&str; 3] = [VIEWPOINT_PNG, LIGHT_FIELD_MAT, "hci/input_Cam"];
 
 /// What the archives of a dataset contain.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WebDataset {
-    /// The fields of every sample, such as `el.png`, each without `scene_`; `None`: all files of a folder except for
-    /// those in its subfolders, and beside `el.png` without `vpi.png` and `5d.mat`, which have its pixels in another
-    /// order.
+    /// The fields of every sample, such as `el.png` and `masks.fine.png`, each without `scene_`; `None`: all files, but
+    /// beside `el.png` neither `vpi.png`, `5d.mat` nor views of `hci`, which have its pixels in another order.
     pub fields: Option<Vec<String>>,
     /// The largest size of the files of light fields in an archive, bytes. A sample is never divided.
     pub max_bytes: u64,
@@ -73,8 +72,7 @@ impl WebDataset {
     /// scenes for training, `test-000000.tar` for the others. Archives that an interrupted run has finished stay.
     ///
     /// # Errors
-    /// [`Error::BadRequest`] if no field is requested, if a light field lacks a requested one or has no files but those
-    /// in subfolders, if two have the same key, or `out` has other archives of these names; [`Error::Failed`] if no
+    /// [`Error::BadRequest`] if no field is requested, if a light field lacks a requested one or has no image, if two have the same key, or `out` has other archives of these names; [`Error::Failed`] if no
     /// folder is finished; [`Error::Io`] if files cannot be read or written, or have another size than their manifest
     /// says.
     pub fn write(&self, root: &Path, out: &Path, rollback: &Rollback) -> Result<Vec<Archive>, Error> {
@@ -134,9 +132,10 @@ impl WebDataset {
         let has_raw_image = record.manifest.files.contains_key(ELEMENTAL_PNG);
         let file = |name: &str, bytes: u64| FileOfSample { name: format!("{}/{name}", record.folder), bytes };
         let mut files: Vec<(String, FileOfSample)> = listed
-            .filter(|(name, _)| !name.contains('/'))
-            .filter(|(name, _)| self.fields.is_some() || !has_raw_image || !COPIES.contains(&name.as_str()))
-            .map(|(name, written)| (field(name).to_owned(), file(name, written.bytes)))
+            .filter(|(name, _)| {
+                self.fields.is_some() || !has_raw_image || !COPIES.iter().any(|copy| name.starts_with(copy))
+            })
+            .map(|(name, written)| (field(name), file(name, written.bytes)))
             .collect();
         if let Some(fields) = &self.fields {
             if let Some(missing) = fields.iter().find(|field| !files.iter().any(|(own, ..)| own == *field)) {
@@ -146,13 +145,10 @@ impl WebDataset {
             }
             files.retain(|(field, ..)| fields.contains(field));
         }
-        // Neither describes an image of its own.
-        if files.iter().all(|(own, ..)| [PARAMETERS_CFG, CAMERA_TOML].contains(&own.as_str())) {
-            let output = if record.camera.shape().is_some() { "el" } else { "raw" };
-            return Err(Error::BadRequest(format!(
-                "{} has files in subfolders only, which archives do not contain; render with `write {output}`",
-                record.folder
-            )));
+        // None describes an image of its own.
+        let is_image = |own: &str| !own.ends_with(PARAMETERS_CFG) && own != CAMERA_TOML;
+        if !files.iter().any(|(own, ..)| is_image(own)) {
+            return Err(Error::BadRequest(format!("{} has no image; render one, see `write`", record.folder)));
         }
         // What follows the first dot of a name is the field.
         let key = record.folder.replace('/', "_").replace('.', "-");
@@ -181,9 +177,9 @@ impl WebDataset {
     }
 }
 
-/// The field of a file: its name without `scene_`.
-fn field(name: &str) -> &str {
-    name.strip_prefix("scene_").unwrap_or(name)
+/// The field of a file: its name without `scene_`, with dots between folders.
+fn field(name: &str) -> String {
+    name.strip_prefix("scene_").unwrap_or(name).replace('/', ".")
 }
 
 /// Checks that an archive is the one that would be written; returns its size.
@@ -278,10 +274,10 @@ mod tests {
     use holo_core::GridSize;
 
     use super::*;
-    use crate::{DatasetPlan, EngineSettings, Pixels, RenderSettings, RigSettings, RunOptions, SceneSource};
+    use crate::{DatasetPlan, EngineSettings, Output, Pixels, RenderSettings, RigSettings, RunOptions, SceneSource};
 
     /// Five scenes, the last of them for tests, with 3 x 3 views.
-    fn dataset(root: &Path) {
+    fn dataset(root: &Path, write: &[Output]) {
         let sources: Vec<SceneSource> = ["plaster", "chess", "tiles", "billiards", "mountains"]
             .map(|name| SceneSource::gallery(name).unwrap())
             .to_vec();
@@ -289,6 +285,7 @@ mod tests {
         let rig = RigSettings { pixels, ..RigSettings::default() };
         let mut settings = RenderSettings { camera: rig.into(), ..RenderSettings::default() };
         settings.light.samples = Some(1.into());
+        settings.output.write = write.to_vec();
         let views = [GridSize::new(3, 3)];
         let plan = DatasetPlan::new(&sources, &views, settings, EngineSettings::default()).unwrap();
         plan.describe(root, &(), &Rollback::default()).unwrap();
@@ -313,7 +310,7 @@ mod tests {
     fn samples_have_the_bytes_of_their_folders() {
         let folder = tempfile::tempdir().unwrap();
         let [root, out] = ["dataset", "out"].map(|name| folder.path().join(name));
-        dataset(&root);
+        dataset(&root, &[]);
         let web = WebDataset { fields: Some(vec!["el.png".into(), "disparity.pfm".into()]), max_bytes: 1 };
         let archives = web.write(&root, &out, &Rollback::default()).unwrap();
         let names: Vec<&str> = archives.iter().map(|archive| archive.name.as_str()).collect();
@@ -344,7 +341,7 @@ mod tests {
         without.write(&manifest).unwrap();
         let none = folder.path().join("none");
         let why = WebDataset::default().write(&root, &none, &Rollback::default()).unwrap_err().to_string();
-        assert!(why.contains("mountains/3x3 has files in subfolders only") && !none.exists(), "{why}");
+        assert!(why.contains("mountains/3x3 has no image") && !none.exists(), "{why}");
         assert_eq!(archives.iter().map(|archive| archive.samples).collect::<Vec<_>>(), [4, 1]);
         let names: Vec<String> = entries(&whole.join("train-000000.tar")).into_iter().map(|(name, _)| name).collect();
         assert!(names.contains(&"chess_3x3.parameters.cfg".to_owned()), "{names:?}");
@@ -354,10 +351,28 @@ mod tests {
     }
 
     #[test]
+    fn files_in_subfolders_are_fields_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let [root, out] = ["dataset", "out"].map(|name| folder.path().join(name));
+        dataset(&root, &[Output::Hci]);
+        WebDataset::default().write(&root, &out, &Rollback::default()).unwrap();
+        let found = entries(&out.join("test-000000.tar"));
+        let view = found.iter().find(|(name, _)| name == "mountains_3x3.hci.input_Cam008.png").expect("a view");
+        assert_eq!(view.1, std::fs::read(root.join("mountains/3x3/hci/input_Cam008.png")).unwrap());
+        // Beside the raw image the views are copies.
+        let [root, out] = ["both", "out of both"].map(|name| folder.path().join(name));
+        dataset(&root, &[Output::El, Output::Hci]);
+        WebDataset::default().write(&root, &out, &Rollback::default()).unwrap();
+        let names: Vec<String> = entries(&out.join("test-000000.tar")).into_iter().map(|(name, _)| name).collect();
+        assert!(names.contains(&"mountains_3x3.hci.parameters.cfg".to_owned()), "{names:?}");
+        assert!(!names.iter().any(|name| name.contains("input_Cam")), "{names:?}");
+    }
+
+    #[test]
     fn what_is_missing_is_named_and_nothing_stays() {
         let folder = tempfile::tempdir().unwrap();
         let [root, out] = ["dataset", "out"].map(|name| folder.path().join(name));
-        dataset(&root);
+        dataset(&root, &[]);
         let web = WebDataset { fields: Some(vec!["normal.pfm".into()]), ..WebDataset::default() };
         let why = web.write(&root, &out, &Rollback::default()).unwrap_err().to_string();
         assert!(why.contains("plaster/3x3 has no normal.pfm; it has parameters.cfg, 5d.mat, depth.pfm"), "{why}");

@@ -81,13 +81,14 @@ pub(super) fn raw_images(input: &Path, tool: Tool) -> Result<Vec<RawImage>, Erro
     }
     let image = |place: PathBuf| {
         let path = input.join(&place);
+        let folder = Folder::open(&path).ok();
         for file in [CAMERA_TOML, RAW_EXR] {
-            if !path.join(file).is_file() {
+            if !folder.as_ref().is_some_and(|folder| folder.has_file(file)) {
                 let advice = "render with `camera` and `write` raw";
                 return Err(Error::BadRequest(format!("{}: it has no {file}; {advice}", path.display())));
             }
         }
-        let camera = CameraFile::read(path.join(CAMERA_TOML))?;
+        let camera = CameraFile::read_in(&Folder::open(&path)?, CAMERA_TOML)?;
         tool.check(&camera.camera)?;
         let parts: String = place.iter().map(|part| format!("{}/", part.to_string_lossy())).collect();
         Ok(RawImage { inner: parts, path, camera })
@@ -100,7 +101,7 @@ impl RawImage {
     pub fn write(&self, out: &mut OutputFolder, tool: Tool) -> Result<(), Error> {
         let color = read_raw(&self.path.join(RAW_EXR), &self.camera)?;
         let white = lit_white_image(&self.camera)?;
-        let ev = match Manifest::read(self.path.join(MANIFEST_JSON))?.exposure_ev {
+        let ev = match Manifest::read_in(&Folder::open(&self.path)?)?.exposure_ev {
             Some(ev) => ev,
             None => exposure_ev(&color, Exposure::Automatic)?,
         };

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use holo_core::Rig;
 use holo_core::{DynLightField, GridSize, LightFieldOwned};
 use holo_io::dataset::{DISPARITY_PFM, DatasetCamera, DatasetIndex, HCI_FOLDER, HIT_MASK_PNG, MANIFEST_JSON};
-use holo_io::{HciFolder, HciQuantity, HciResolution, LightFieldReader, Limits, Manifest, ManifestValue, ReadOptions};
+use holo_io::{
+    Folder, HciFolder, HciQuantity, HciResolution, LightFieldReader, Limits, Manifest, ManifestValue, ReadOptions,
+};
 use holo_render::exposure;
 use ndarray::Array2;
 
@@ -117,11 +119,11 @@ impl SourceField {
             disparity_px = disparity_px.map_or_else(|| truth(HciQuantity::Disparity), |map| Ok(Some(map)))?;
             depth_m = depth_m.map_or_else(|| truth(HciQuantity::Depth), |map| Ok(Some(map)))?;
         }
-        let mask = self.path.join(HIT_MASK_PNG);
-        let hits = match mask.is_file() {
-            true => Some(read_mask(&mask)?),
+        let folder = Folder::open(&self.path).ok();
+        let hits = match folder.filter(|folder| folder.has_file(HIT_MASK_PNG)) {
+            Some(folder) => Some(read_mask(&folder.path_of(HIT_MASK_PNG))?),
             // The depth of what is not hit is infinite, its disparity is not.
-            false => depth_m.as_ref().map(|depth| depth.mapv(f32::is_finite)),
+            None => depth_m.as_ref().map(|depth| depth.mapv(f32::is_finite)),
         };
         let size = depth_m.as_ref().map(|depth| depth.dim());
         let map = self.path.join(DISPARITY_PFM);
@@ -178,10 +180,10 @@ impl LoadedField {
     /// # Errors
     /// [`Error::BadRequest`] if its objects are not known, or it sees none of these; the message names those that it sees.
     pub fn sees(&self, objects: &[String]) -> Result<Array2<bool>, Error> {
-        let map = self.path.join(OBJECT_IDS);
-        let names = match map.is_file() {
-            true => Manifest::read(self.path.join(MANIFEST_JSON))?.settings.remove("objects"),
-            false => None,
+        let folder = Folder::open(&self.path).ok().filter(|folder| folder.has_file(OBJECT_IDS));
+        let names = match &folder {
+            Some(folder) => Manifest::read_in(folder)?.settings.remove("objects"),
+            None => None,
         };
         let Some(ManifestValue::List(names)) = names else {
             return Err(self.lacks("it has no numbers of objects", "render it with `layers` depth,disparity,object-id"));
@@ -198,7 +200,7 @@ impl LoadedField {
                 None => name == object,
             })
         };
-        let ids = holo_io::read_pfm_gray(&map, &Limits::default())?;
+        let ids = holo_io::read_pfm_gray(self.path.join(OBJECT_IDS), &Limits::default())?;
         let mask = ids.mapv(|id| is_chosen(&name(id)));
         if mask.iter().any(|is_in| *is_in) {
             return Ok(mask);

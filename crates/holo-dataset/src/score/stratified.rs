@@ -18,7 +18,7 @@ use std::path::Path;
 
 use holo_core::DynImage;
 use holo_io::dataset::MANIFEST_JSON;
-use holo_io::{Limits, Manifest, ManifestValue};
+use holo_io::{Folder, Limits, Manifest, ManifestValue};
 use ndarray::{Array2, Axis};
 
 use super::RegionMask;
@@ -53,15 +53,9 @@ impl Objects {
     /// Reads the objects of a map: `masks/objects.png` and the manifest, which lie beside it or in the folder above. `None`
     /// if they are those of another scene, or of another size.
     pub fn read(map: &Path, dim: (usize, usize)) -> Result<Option<Self>, Error> {
-        let folder = map.parent().unwrap_or(Path::new(""));
-        let folders = [folder.to_owned(), folder.join("..")];
-        let Some(folder) = folders.into_iter().find(|folder| folder.join(OBJECTS_PNG).is_file()) else {
-            return Ok(None);
-        };
-        if !folder.join(MANIFEST_JSON).is_file() {
-            return Ok(None);
-        }
-        let manifest = Manifest::read(folder.join(MANIFEST_JSON))?;
+        let folder = Folder::around(map).into_iter().find(|folder| folder.has_file(OBJECTS_PNG));
+        let Some(folder) = folder.filter(|folder| folder.has_file(MANIFEST_JSON)) else { return Ok(None) };
+        let manifest = Manifest::read_in(&folder)?;
         let Some(ManifestValue::List(names)) = manifest.settings.get("objects") else { return Ok(None) };
         let text = |name: &ManifestValue| match name {
             ManifestValue::Text(name) => name.clone(),
@@ -75,7 +69,7 @@ impl Objects {
         if !is_stratified {
             return Ok(None);
         }
-        let DynImage::U16(image) = holo_io::read_png(folder.join(OBJECTS_PNG), &Limits::default())? else {
+        let DynImage::U16(image) = holo_io::read_png(folder.path_of(OBJECTS_PNG), &Limits::default())? else {
             return Ok(None);
         };
         let labels = image.index_axis(Axis(2), 0).mapv(usize::from);

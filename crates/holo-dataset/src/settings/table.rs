@@ -59,7 +59,7 @@ settings! {
         views: GridSize = GridSize::new(100, 100), "views" "SxT|N";
         /// What determines the pixels of a view.
         one_of pixels: Pixels = Pixels::Sensor(Sensor::Paper8k) => {
-            /// Sensor resolution in pixels: hd, 4k, 8k (7952x5304), uhd8k or WIDTHxHEIGHT.
+            /// Sensor resolution in pixels: hd, 4k, 8k (7952x5304), uhd8k (7680x4320) or WIDTHxHEIGHT, less the rest when divided by the views.
             sensor: Sensor(Sensor), "sensor" "NAME|WxH";
             /// Lenses, columns x rows: the microlenses, which are the pixels of one view. Replaces `sensor`.
             lenses: Lenses(GridSize), "lenses" "UxV";
@@ -148,8 +148,9 @@ settings! {
         write: Vec<Output> = Vec::new(), "write" "WHAT,..";
         /// Layers (AOVs) to write as float maps (PFM), separated by commas [default: those of `write`].
         ///
-        /// Each describes the first surface, glass included, that the ray through the center of a pixel hits.
-        /// scene_LAYER.pfm is of the central view; with `ground-truth all` the folder LAYER has one of every view.
+        /// Most describe the first surface, glass included, that the ray through the center of a pixel hits.
+        /// scene_LAYER.pfm is of the central view (raw_LAYER.pfm of a plenoptic camera); with `ground-truth all` the folder
+        /// LAYER has one of every view.
         layers: Vec<LayerChoice> = Vec::new(), "layers" "NAME,..";
         /// Views for which ground truth is written.
         ground_truth: GroundTruth = GroundTruth::Central, "ground-truth" "";
@@ -159,7 +160,7 @@ settings! {
         bit_depth: u8 = 8, "bit-depth" "8|16" by bit_depth;
         /// Order of the array in scene_5d.mat: H(v,u,t,s,c), or LF(t,s,v,u,c) as in the Light Field Toolbox.
         mat_order: MatOrder = MatOrder::Lenses, "mat-order" "ORDER";
-        /// Also write the codes that this image sensor makes of the raw image: scene_raw.png, scene_raw.json.
+        /// Also write the codes that this image sensor makes of the raw image: scene_raw.png, .dng, .json.
         sensor_model: Option<SensorName>, "sensor-model" "NAME";
         /// Film speed of that sensor [default: its base speed].
         iso: Option<f64>, "iso" "ISO" by positive;

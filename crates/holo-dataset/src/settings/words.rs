@@ -70,7 +70,7 @@ words!(LayerChoice:
     (LayerChoice::One(Layer::MaterialId), "material-id", "Number of the material, from 1; 0 where nothing was hit"),
     (LayerChoice::One(Layer::HitMask), "hit-mask", "1 where something was hit, else 0"),
     (LayerChoice::One(Layer::Reflective), "reflective", "1 where the surface mirrors light, 2 where it lets it pass, else 0"),
-    (LayerChoice::All, "all", "All of the above"),
+    (LayerChoice::All, "all", "All of the above, and all of a plenoptic camera"),
     (LayerChoice::Visibility, "visibility", "Part of all views that see the point; 1: all. Of the central view alone"),
     (LayerChoice::OpticalFlow, "optical-flow",
         "With `frame`: where the image of a point moves until the next frame, px (.flo)"),

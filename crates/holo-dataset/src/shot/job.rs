@@ -165,7 +165,7 @@ impl fmt::Debug for RunOptions<'_> {
 }
 
 impl Shot {
-    /// Returns the name of the pose, if it is one of several.
+    /// Returns the name of the pose, if the job has poses.
     #[must_use]
     pub fn pose(&self) -> Option<&str> {
         self.pose_name.as_deref()
@@ -177,7 +177,7 @@ impl Shot {
         self.frame
     }
 
-    /// Returns the folder below that of its job; empty for the only shot of a job.
+    /// Returns the folder below that of its job; empty without poses and frames.
     #[must_use]
     pub fn folder(&self) -> PathBuf {
         let mut folder = PathBuf::new();

@@ -111,7 +111,7 @@ fn python() -> String {
         "\"\"\"The settings of renders. This file follows from the table of settings in holo-dataset: see its tests.\"\"\"\n\n\
          from __future__ import annotations\n\nimport os\nfrom collections.abc import Sequence\n\
          from typing import TYPE_CHECKING, Literal, TypedDict\n\n\nclass Settings(TypedDict, total=False):\n    \
-         \"\"\"The settings of a render, as keywords of `render`, `render_to` and `render_raw`.\n\n",
+         \"\"\"The settings of a render, as keywords of `render`, `render_to` and `render_raw`. Pairs are (rows, columns), text is columns x rows.\n\n",
     );
     for setting in table() {
         let default = setting.default().map_or_else(String::new, |default| format!(" Default: {default}."));
@@ -128,7 +128,7 @@ fn python() -> String {
 fn guide() -> String {
     let mut text = String::from(
         "# Settings\n\nEvery setting of a render, for the command line (`--views 20x20`), for a configuration file \
-         (`views = \"20x20\"`) and for Python (`views=(20, 20)`, rows first; `_` for `-`). A setting that is given replaces \
+         (`views = \"20x20\"`) and for Python (`views=(20, 20)`, rows first; `_` for `-`, `tools` for `for`). A setting that is given replaces \
          that of a configuration, that of a preset, and the default, in this order.\n\n| setting | value | default | \
          meaning |\n|---|---|---|---|\n",
     );

@@ -135,14 +135,15 @@ struct Document {
 }
 
 impl CameraFile {
-    /// Reads a camera file, or the `intrinsics.js` of a program on libpleno, such as COMPOTE.
+    /// Reads a camera file, or the `intrinsics.js` of a program on libpleno, such as COMPOTE. A lens that it names lies in
+    /// its folder, behind no link.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be read; [`Error::Broken`] if it is no TOML or no camera. The message names the key.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let beside = Beside::Path(path.parent().unwrap_or_else(|| Path::new("")));
-        Self::decode(&read_small_file(path, MAX_BYTES)?, path, beside)
+        let bytes = read_small_file(path, MAX_BYTES)?;
+        Self::decode(&bytes, path, Beside::File(path))
     }
 
     /// Reads a camera file of an open folder, like [`CameraFile::read`].

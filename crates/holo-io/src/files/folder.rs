@@ -155,6 +155,26 @@ impl Folder {
         Ok(Self::new(handle, path.to_owned()))
     }
 
+    /// Opens the folder of a file, for what lies beside it.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Folder::open`].
+    pub fn beside(file: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = file.as_ref().parent().unwrap_or(Path::new(""));
+        let place = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+        let handle = system::Handle::open(place).map_err(|error| Error::io("open", place, error))?;
+        Ok(Self::new(handle, path.to_owned()))
+    }
+
+    /// Opens the folder of a file, and the one above it: those of them that can be opened.
+    #[must_use]
+    pub fn around(file: impl AsRef<Path>) -> Vec<Self> {
+        let beside = Self::beside(file).ok();
+        let above = beside.as_ref().and_then(|folder| Self::open(folder.path().join("..")).ok());
+        beside.into_iter().chain(above).collect()
+    }
+
     /// Opens a folder in this one; `name` may have several parts.
     ///
     /// # Errors
@@ -471,8 +491,7 @@ pub(crate) fn read_beside(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Error>
     let name = path.file_name().and_then(|name| name.to_str());
     // A name that a folder does not take, as the only part of its path, is the user's own.
     let Some(name) = name.filter(|name| stays_inside(name)) else { return read_small_file(path, max_bytes) };
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let inside = Folder::open(parent).and_then(|folder| folder.read(name, max_bytes));
+    let inside = Folder::beside(path).and_then(|folder| folder.read(name, max_bytes));
     // With the path as the caller gave it.
     inside.map_err(|error| match error {
         Error::Io { error, .. } => Error::io("read", path, error),

@@ -6,8 +6,7 @@ use holo_core::sensor::{Exposure, SensorModel};
 use ndarray::{Array3, ArrayView3};
 use serde::{Deserialize, Serialize};
 
-use crate::files::folder::Destination;
-use crate::files::limits::read_small_file;
+use crate::files::folder::{Destination, read_beside};
 use crate::{Error, FileDigest, write_file};
 
 /// The largest such file, bytes.
@@ -60,7 +59,7 @@ impl MosaicInfo {
     /// [`Error::Io`] if there is none; [`Error::Broken`] if it is damaged, or its sensor is impossible.
     pub fn read_for(image: impl AsRef<Path>) -> Result<Self, Error> {
         let path = Self::path_of(image.as_ref());
-        let bytes = read_small_file(&path, MAX_BYTES)?;
+        let bytes = read_beside(&path, MAX_BYTES)?;
         let broken = |what: String| Error::Broken { path: path.clone(), format: "mosaic", what };
         let info: Self = serde_json::from_slice(&bytes).map_err(|why| broken(why.to_string()))?;
         info.sensor.validate().map_err(|why| broken(why.to_string()))?;

@@ -47,8 +47,7 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<LightFieldReade
     let text = read_small_file(path, MAX_BYTES)?;
     let slab = Slab::parse(&String::from_utf8_lossy(&text)).map_err(broken)?;
     let shape = LightFieldShape::new(slab.cameras, slab.pixels).map_err(|error| Error::core(path, error))?;
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let files = slab.files(&Folder::open(folder)?)?;
+    let files = slab.files(&Folder::beside(path)?)?;
     let found = read_image_info(&files[0])?.size;
     if found != slab.pixels {
         let (first, pixels) = (files[0].display(), slab.pixels);

@@ -37,7 +37,7 @@ pub enum LightFieldFormat {
     OldHci,
     /// A PNG, TIFF or OpenEXR of an elemental image array or a sub-aperture image array.
     RawImage,
-    /// The raw image of an unfocused plenoptic camera, or its folder: views are decoded when they are read.
+    /// The raw image of a plenoptic camera, or its folder: views are decoded when they are read.
     Plenoptic,
     /// A MAT file of version 5 or 7.3.
     Mat,

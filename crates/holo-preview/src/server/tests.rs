@@ -76,6 +76,20 @@ fn the_page_needs_token_and_host() {
 }
 
 #[test]
+fn other_computers_name_the_server_by_an_address() {
+    for (listen, own, others) in [
+        ("127.0.0.1", vec!["127.0.0.1", "localhost"], vec!["192.168.1.5", "a.example", "[::1]"]),
+        ("0.0.0.0", vec!["127.0.0.1", "localhost", "192.168.1.5"], vec!["a.example", "192.168.1.5.a.example"]),
+    ] {
+        let server = Preview::new().listen(listen.parse().unwrap()).bind(0).unwrap();
+        let port = server.address.port();
+        assert!(own.iter().all(|host| server.is_own(&format!("{host}:{port}"))), "{listen}");
+        assert!(others.iter().all(|host| !server.is_own(&format!("{host}:{port}"))), "{listen}");
+        assert!(!server.is_own(own[0]) && !server.is_own(&format!("{}:{}", own[0], port ^ 1)), "{listen}");
+    }
+}
+
+#[test]
 fn the_socket_needs_the_origin_of_the_page() {
     with_server(|server| {
         let host = server.address.to_string();

@@ -88,7 +88,7 @@ def _warn_of_slow_backend():
         _has_warned = True
         warnings.warn(
             "Embree was not found, so rays are traced by the built-in BVH, which is several times slower; "
-            "install it with `pip install holoscopic[embree]`",
+            "install this package with its extra `embree`",
             HoloWarning,
             stacklevel=4,
         )

@@ -8,7 +8,7 @@ from typing import Literal, TypedDict
 
 
 class Settings(TypedDict, total=False):
-    """The settings of a render, as keywords of `render`, `render_to` and `render_raw`.
+    """The settings of a render, as keywords of `render`, `render_to` and `render_raw`. Pairs are (rows, columns), text is columns x rows.
 
     light_units: Unit of the lights in the file: candela and lux of glTF, those of Blender's lighting mode "Standard" (683 times as bright), or `auto`, by generator and numbers. Default: gltf.
     solid_glass: Treat closed meshes with transmission but without a volume as solid glass; otherwise they are thin, like soap bubbles.
@@ -24,7 +24,7 @@ class Settings(TypedDict, total=False):
     fps: Frames per second [default: 24].
     animation: Name or index of the animation to play [default: all of the file].
     views: Views, columns x rows, or one number for both. Default: 100x100.
-    sensor: Sensor resolution in pixels: hd, 4k, 8k (7952x5304), uhd8k or WIDTHxHEIGHT. Default: 8k.
+    sensor: Sensor resolution in pixels: hd, 4k, 8k (7952x5304), uhd8k (7680x4320) or WIDTHxHEIGHT, less the rest when divided by the views. Default: 8k.
     lenses: Lenses, columns x rows: the microlenses, which are the pixels of one view. Replaces `sensor`.
     lens_shifts: Lens array shifting: N x N exposures, the microlens array moved by 1/N of its pitch, interleaved to N times as many lenses along both axes.
     f_number: f-number of the main lens, whose aperture the views sample. Default: 5.
@@ -53,12 +53,12 @@ class Settings(TypedDict, total=False):
     backdrop: Color behind the scene instead of the environment, linear RGB. It lights nothing.
     seed: Random seed. Default: 0.
     write: Files to write, separated by commas [default: vpi,el,mat, and disparity,depth unless `layers` names others; without color no vpi, el and mat. Of a plenoptic camera raw,raw-png,white,centers].
-    layers: Layers (AOVs) to write as float maps (PFM), separated by commas [default: those of `write`]. Each describes the first surface, glass included, that the ray through the center of a pixel hits. scene_LAYER.pfm is of the central view; with `ground-truth all` the folder LAYER has one of every view.
+    layers: Layers (AOVs) to write as float maps (PFM), separated by commas [default: those of `write`]. Most describe the first surface, glass included, that the ray through the center of a pixel hits. scene_LAYER.pfm is of the central view (raw_LAYER.pfm of a plenoptic camera); with `ground-truth all` the folder LAYER has one of every view.
     ground_truth: Views for which ground truth is written. Default: central.
     exposure: Exposure compensation of 8- and 16-bit images in EV, or `auto`. Default: auto.
     bit_depth: Bits per channel of the raw PNGs and of scene_5d.mat. Default: 8.
     mat_order: Order of the array in scene_5d.mat: H(v,u,t,s,c), or LF(t,s,v,u,c) as in the Light Field Toolbox. Default: lenses.
-    sensor_model: Also write the codes that this image sensor makes of the raw image: scene_raw.png, scene_raw.json.
+    sensor_model: Also write the codes that this image sensor makes of the raw image: scene_raw.png, .dng, .json.
     iso: Film speed of that sensor [default: its base speed].
     tools: Programs that the raw image of a plenoptic camera is also written for, separated by commas: a folder each, with a README.txt.
     """

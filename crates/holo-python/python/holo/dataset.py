@@ -40,7 +40,7 @@ class Job:
     def light_field(self) -> LightField:
         """The light field, read anew at every access: float32 if the folder has HDF5, else the integers of its images.
 
-        The raw image of an unfocused plenoptic camera is decoded.
+        The raw image of a plenoptic camera is decoded.
         """
         hdf5 = self.path / "scene_5d.h5"
         return open_light_field(hdf5 if hdf5.is_file() else self.path)
@@ -228,7 +228,7 @@ class Dataset(Sequence["Job"]):
         views, cameras, preset, executor, parts, threads: as of `render`; 9 x 9 views by default.
         settings: those of `holo generate`, `_` for `-`; `seed` is that of the scenes and of their samples.
 
-            dataset = holo.Dataset.generate("out", count=100, recipe="hci-like", preset="clean", seed=1)
+            dataset = holo.Dataset.generate("out", count=100, recipe="hci-like", spp=4, integrator="direct")
         """
         words = ["generate", "--count", str(count), "--recipe", os.fspath(recipe)]
         words += _words(out, views, cameras, preset, threads, settings)

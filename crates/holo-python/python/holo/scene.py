@@ -101,14 +101,14 @@ class Scene:
 
     @classmethod
     def gallery(cls, name: str) -> Scene:
-        """One of the sixteen scenes that are built in, `Scene.gallery_names()`, or an animated one: "pendulum",
-        "turning_clockwork", "garden_walk"."""
+        """One of the scenes that are built in: of `Scene.gallery_names()`, a stratified one ("backgammon", "dots", "pyramids",
+        "stripes"), or an animated one ("pendulum", "turning_clockwork", "garden_walk")."""
         _holo.gallery_glb(name)
         return cls(name, gallery=True)
 
     @staticmethod
     def gallery_names() -> list[str]:
-        """The names of the scenes that are built in."""
+        """The names of the built-in scenes that a dataset has unless others are named."""
         return _holo.gallery_names()
 
     @classmethod

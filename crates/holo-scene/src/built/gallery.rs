@@ -1,4 +1,4 @@
-//! The gallery: sixteen scenes built in code, identical on all machines.
+//! The gallery: scenes built in code, identical on all machines.
 //!
 //! A scene of the gallery is an ordinary [`Scene`]. It can be rendered, changed, or written with
 //! [`crate::gltf::to_glb`] without loss: the indirect light comes from an emissive room, not from an environment map
@@ -58,7 +58,7 @@ mod tiles;
 use crate::animation::Animation;
 use crate::{Error, Scene, gltf};
 
-/// The names of all scenes, in the order of the table above: first the oldest, then by difficulty (mirrors and glass,
+/// The names of the scenes that a dataset has unless others are named, in the order of the table above: first the oldest, then by difficulty (mirrors and glass,
 /// shapes, light, all together), and last one that is hard for the estimation of depth.
 pub const NAMES: &[&str] = &[
     "garden",

@@ -81,9 +81,9 @@ fn text(bytes: &[u8]) -> Option<String> {
 pub(super) enum Beside<'a> {
     /// A text without a place.
     Nowhere,
-    /// The folder of a camera file that a user named.
-    Path(&'a Path),
-    /// An open folder.
+    /// A camera file.
+    File(&'a Path),
+    /// A camera file of an open folder.
     Folder(&'a Folder),
 }
 
@@ -111,7 +111,7 @@ impl Beside<'_> {
         }
         let read = match self {
             Self::Nowhere => return Err(format!("{KEY}: the camera is not in a file, beside which '{name}' could be")),
-            Self::Path(folder) => read_small_file(&folder.join(&path), MAX_BYTES),
+            Self::File(file) => Folder::beside(file).and_then(|folder| folder.read(name, MAX_BYTES)),
             Self::Folder(folder) => folder.read(name, MAX_BYTES),
         };
         let bytes = read.map_err(|why| format!("{KEY}: {why}"))?;

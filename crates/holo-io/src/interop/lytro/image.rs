@@ -15,6 +15,7 @@ use serde_json::Value;
 
 use super::LytroModel;
 use crate::files::limits::read_small_file;
+use crate::files::names::is_regular;
 use crate::{Error, FileFormat, Limits, MosaicInfo, detect_format};
 
 /// What a section begins with, but for its kind, the fourth byte.
@@ -136,7 +137,7 @@ fn metadata_beside(path: &Path) -> Option<PathBuf> {
     let is_raw = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("raw"));
     let stem = path.file_stem().filter(|_| is_raw)?.to_string_lossy();
     let names = [format!("{stem}.TXT"), format!("{stem}.txt"), format!("{stem}.json"), format!("{stem}_metadata.json")];
-    names.into_iter().map(|name| path.with_file_name(name)).find(|path| path.is_file())
+    names.into_iter().map(|name| path.with_file_name(name)).find(|path| is_regular(path))
 }
 
 /// The codes and the metadata of the first frame of a container.
