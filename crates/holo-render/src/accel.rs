@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 pub use library::cache_folder;
 pub(crate) use packet::{
-    CAMERA_RAY, Cells, ExactRays, NO_TRIANGLE, RayDifferentials, RayHits, Rays, SpotDifferentials,
+    CAMERA_RAY, Cells, ExactRays, Half, NO_TRIANGLE, RayDifferentials, RayHits, Rays, SpotDifferentials,
 };
 
 use crate::error::Error;

@@ -11,6 +11,8 @@
 //! - A packet is [`RayHits`], whose size and alignment are asserted at compile time and equal those of `RTCRayHit16` of
 //!   Embree 4.3 and later. Versions 4.0 to 4.2 lack the last field (`instPrimID`) and write less. A test surrounds
 //!   packets with canaries and verifies that the installed version writes nothing else.
+//! - Where the library does not take sixteen rays at once it would take them one by one (without AVX-512); it gets two
+//!   packets of eight, [`Half`], of the size and alignment of `RTCRayHit8` and `RTCRay8`.
 //! - Vertex and index buffers are shared, not copied: the engine holds the immutable [`Geometry`] that owns them, and
 //!   releases the scenes first. Vertices are padded by one entry, because Embree reads 16 bytes for each.
 //! - A committed scene may be queried from any thread (Embree manual, "rtcCommitScene").
@@ -24,7 +26,7 @@ use std::sync::{Arc, OnceLock};
 use libloading::Library;
 
 use super::library::{Candidate, candidates};
-use super::{Coherence, Engine, NO_TRIANGLE, RayHits, Rays};
+use super::{Coherence, Engine, Half, NO_TRIANGLE, RayHits, Rays};
 use crate::error::Error;
 use crate::geometry::{FLATTENED, Geometry};
 use crate::simd::{LANES, Lanes};
@@ -55,6 +57,8 @@ impl QueryArguments {
 
 const RAY_QUERY_FLAG_COHERENT: c_uint = 1 << 16;
 const DEVICE_PROPERTY_VERSION: c_int = 0;
+const DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED: c_int = 33;
+const DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED: c_int = 34;
 const DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED: c_int = 65;
 const DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED: c_int = 96;
 const GEOMETRY_TYPE_TRIANGLE: c_int = 0;
@@ -120,9 +124,11 @@ api! {
     rtcSetGeometryInstancedScene: fn(Handle, Handle);
     rtcSetGeometryTransform: fn(Handle, c_uint, c_int, *const c_void);
     rtcReleaseGeometry: fn(Handle);
+    rtcIntersect8: fn(*const c_int, Handle, *mut c_void, *const QueryArguments);
     rtcIntersect16: fn(*const c_int, Handle, *mut c_void, *const QueryArguments);
     #[cfg(feature = "bench")]
     rtcIntersect1: fn(Handle, *mut c_void, *const QueryArguments);
+    rtcOccluded8: fn(*const c_int, Handle, *mut c_void, *const QueryArguments);
     rtcOccluded16: fn(*const c_int, Handle, *mut c_void, *const QueryArguments);
 }
 
@@ -244,6 +250,8 @@ pub(crate) struct Embree {
     scene: NonNull<c_void>,
     /// The flags of all scenes.
     flags: c_int,
+    /// Whether packets are given in two halves.
+    halves: bool,
     /// One scene for every prototype mesh.
     prototypes: Vec<NonNull<c_void>>,
     name: String,
@@ -292,7 +300,10 @@ impl Embree {
             }
         })?;
         // SAFETY: the device was just created.
-        let version = unsafe { (api.rtcGetDeviceProperty)(device.as_ptr(), DEVICE_PROPERTY_VERSION) };
+        let property = |which| unsafe { (api.rtcGetDeviceProperty)(device.as_ptr(), which) };
+        let version = property(DEVICE_PROPERTY_VERSION);
+        let [eight, sixteen] = [DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED, DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED]
+            .map(|which| property(which) != 0);
         let mut name = format!("embree {}.{}.{}", version / 10_000, version / 100 % 100, version % 100);
         if let Some(isa) = isa {
             // Other values: not to be mixed with those of the automatic choice.
@@ -306,7 +317,8 @@ impl Embree {
         };
         // From here on `Drop` releases the device and the scenes.
         let geometry = Arc::clone(geometry);
-        let mut engine = Self { api, device, scene, flags, prototypes: Vec::new(), name, geometry };
+        let halves = eight && !sixteen;
+        let mut engine = Self { api, device, scene, flags, halves, prototypes: Vec::new(), name, geometry };
         engine.fill()?;
         Ok(engine)
     }
@@ -432,14 +444,31 @@ fn number_triangles(geometry: &Geometry, valid: &Lanes<i32>, packet: &mut RayHit
     }
 }
 
+/// The halves of a packet that have a valid lane, with the lanes' flags.
+fn halves(valid: &Lanes<i32>) -> impl Iterator<Item = (usize, &[i32])> {
+    valid.0.chunks(LANES / 2).enumerate().filter(|(_, valid)| valid.iter().any(|&lane| lane != 0))
+}
+
 impl Engine for Embree {
     #[inline]
     fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits, coherence: Coherence) {
         let arguments = QueryArguments::new(coherence);
-        // SAFETY: the scene is committed; `valid` and `packet` have the size and alignment of Embree's types.
-        unsafe {
-            let packet: *mut RayHits = packet;
-            (self.api.rtcIntersect16)(valid.0.as_ptr(), self.scene.as_ptr(), packet.cast(), &raw const arguments);
+        if self.halves {
+            for (half, valid) in halves(valid) {
+                let mut rays = Half::of(packet, half);
+                // SAFETY: as below.
+                unsafe {
+                    let rays = (&raw mut rays).cast();
+                    (self.api.rtcIntersect8)(valid.as_ptr(), self.scene.as_ptr(), rays, &raw const arguments);
+                }
+                rays.write(packet, half);
+            }
+        } else {
+            // SAFETY: the scene is committed; `valid` and `packet` have the size and alignment of Embree's types.
+            unsafe {
+                let packet: *mut RayHits = packet;
+                (self.api.rtcIntersect16)(valid.0.as_ptr(), self.scene.as_ptr(), packet.cast(), &raw const arguments);
+            }
         }
         if self.geometry.is_instanced() {
             number_triangles(&self.geometry, valid, packet);
@@ -449,6 +478,18 @@ impl Engine for Embree {
     #[inline]
     fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays, coherence: Coherence) {
         let arguments = QueryArguments::new(coherence);
+        if self.halves {
+            for (half, valid) in halves(valid) {
+                let mut of_half = Half::of_rays(rays, half);
+                // SAFETY: as in `intersect`, with `RTCRay8`.
+                unsafe {
+                    let of_half = (&raw mut of_half).cast();
+                    (self.api.rtcOccluded8)(valid.as_ptr(), self.scene.as_ptr(), of_half, &raw const arguments);
+                }
+                of_half.write_ends(rays, half);
+            }
+            return;
+        }
         // SAFETY: as in `intersect`, with `RTCRay16`.
         unsafe {
             let rays: *mut Rays = rays;
@@ -497,50 +538,4 @@ impl Engine for Embree {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::accel::tests::{instanced_soup, soup};
-
-    /// A packet between two canaries of known bytes.
-    #[repr(C, align(64))]
-    struct WithCanaries<T> {
-        before: [u8; 256],
-        inner: T,
-        after: [u8; 256],
-    }
-
-    /// The installed version writes into the packet and nowhere else.
-    #[test]
-    fn embree_writes_nothing_outside_our_packets() {
-        for geometry in [soup(500, 1), instanced_soup(500, 1)] {
-            nothing_outside_is_written(&Arc::new(geometry));
-        }
-    }
-
-    fn nothing_outside_is_written(geometry: &Arc<Geometry>) {
-        let engine = match Embree::build(geometry, 1) {
-            Ok(engine) => engine,
-            Err(why) => {
-                crate::peer::missing(&format!("Embree 4: {why}"));
-                return;
-            }
-        };
-        for coherence in [Coherence::Coherent, Coherence::Incoherent] {
-            let valid = Lanes([-1; LANES]);
-            let mut packet = WithCanaries { before: [0xA5; 256], inner: RayHits::EMPTY, after: [0x5A; 256] };
-            let mut shadow = WithCanaries { before: [0xA5; 256], inner: Rays::EMPTY, after: [0x5A; 256] };
-            for lane in 0..LANES {
-                packet.inner.rays.direction[0][lane] = lane as f32 * 0.02 - 0.15;
-            }
-            shadow.inner.direction = packet.inner.rays.direction;
-            engine.intersect(&valid, &mut packet.inner, Coherence::Coherent);
-            engine.occluded(&valid, &mut shadow.inner, coherence);
-            assert!(packet.inner.hits.triangle.iter().any(|&k| k != NO_TRIANGLE), "the rays must hit something");
-            assert!(shadow.inner.far.contains(&f32::NEG_INFINITY), "the shadow rays must hit something");
-            for canaries in [[&packet.before, &packet.after], [&shadow.before, &shadow.after]] {
-                assert!(canaries[0].iter().all(|&b| b == 0xA5), "wrote before the packet");
-                assert!(canaries[1].iter().all(|&b| b == 0x5A), "wrote behind the packet");
-            }
-        }
-    }
-}
+mod tests;

@@ -112,6 +112,75 @@ pub(crate) struct RayHits {
     pub hits: Hits,
 }
 
+/// Eight rays or their hits: `WORDS` words per ray, `RTCRay8` of 12 words or `RTCRayHit8` of 21.
+#[repr(C, align(32))]
+pub(crate) struct Half<const WORDS: usize>([[u32; LANES / 2]; WORDS]);
+
+/// Where the end of a ray is among the words of [`Rays`], and the first word of [`Hits`] behind them.
+const FAR: usize = 8;
+const RAY_WORDS: usize = 12;
+
+/// Lanes 0 to 7 or 8 to 15 as bits.
+#[inline(always)]
+fn part<T: Copy>(lanes: &[T; LANES], half: usize, bits: impl Fn(T) -> u32) -> [u32; LANES / 2] {
+    std::array::from_fn(|lane| bits(lanes[half * LANES / 2 + lane]))
+}
+
+impl Half<RAY_WORDS> {
+    /// Half of a packet of rays.
+    #[inline(always)]
+    pub fn of_rays(rays: &Rays, half: usize) -> Self {
+        let float = |lanes| part(lanes, half, f32::to_bits);
+        let [x, y, z] = [0, 1, 2].map(|axis| float(&rays.origin[axis]));
+        let [dx, dy, dz] = [0, 1, 2].map(|axis| float(&rays.direction[axis]));
+        let [mask, id, flags] = [&rays.mask, &rays.id, &rays.flags].map(|lanes| part(lanes, half, |bits| bits));
+        let [near, time, far] = [&rays.near, &rays.time, &rays.far].map(float);
+        Self([x, y, z, near, dx, dy, dz, time, far, mask, id, flags])
+    }
+
+    /// Writes the ends of the rays back.
+    #[inline(always)]
+    pub fn write_ends(&self, rays: &mut Rays, half: usize) {
+        for (lane, bits) in self.0[FAR].into_iter().enumerate() {
+            rays.far[half * LANES / 2 + lane] = f32::from_bits(bits);
+        }
+    }
+}
+
+impl Half<{ RAY_WORDS + 9 }> {
+    /// Half of a packet.
+    #[inline(always)]
+    pub fn of(packet: &RayHits, half: usize) -> Self {
+        let hits = &packet.hits;
+        let float = |lanes| part(lanes, half, f32::to_bits);
+        let [x, y, z] = [0, 1, 2].map(|axis| float(&hits.normal[axis]));
+        let [u, v] = [&hits.u, &hits.v].map(float);
+        let numbers = [&hits.triangle, &hits.geometry, &hits.instance, &hits.instance_primitive];
+        let [triangle, geometry, instance, primitive] = numbers.map(|lanes| part(lanes, half, |bits| bits));
+        let mut words = [[0; LANES / 2]; RAY_WORDS + 9];
+        words[..RAY_WORDS].copy_from_slice(&Half::of_rays(&packet.rays, half).0);
+        words[RAY_WORDS..].copy_from_slice(&[x, y, z, u, v, triangle, geometry, instance, primitive]);
+        Self(words)
+    }
+
+    /// Writes the ends of the rays and the hits back.
+    #[inline(always)]
+    pub fn write(&self, packet: &mut RayHits, half: usize) {
+        let RayHits { rays, hits } = packet;
+        for lane in 0..LANES / 2 {
+            let (to, word) = (half * LANES / 2 + lane, |word: usize| self.0[word][lane]);
+            let float = |k: usize| f32::from_bits(word(k));
+            rays.far[to] = float(FAR);
+            for axis in 0..3 {
+                hits.normal[axis][to] = float(RAY_WORDS + axis);
+            }
+            (hits.u[to], hits.v[to]) = (float(RAY_WORDS + 3), float(RAY_WORDS + 4));
+            (hits.triangle[to], hits.geometry[to]) = (word(RAY_WORDS + 5), word(RAY_WORDS + 6));
+            (hits.instance[to], hits.instance_primitive[to]) = (word(RAY_WORDS + 7), word(RAY_WORDS + 8));
+        }
+    }
+}
+
 impl Rays {
     /// Default rays: from the origin along -Z, of unlimited length.
     pub const EMPTY: Self = Self {
@@ -164,6 +233,7 @@ impl RayHits {
 const _: () = {
     assert!(size_of::<Rays>() == 12 * 64 && align_of::<Rays>() == 64);
     assert!(size_of::<Hits>() == 9 * 64);
+    assert!(size_of::<Half<12>>() == 12 * 32 && size_of::<Half<21>>() == 21 * 32 && align_of::<Half<21>>() == 32);
     assert!(size_of::<RayHits>() == 1344 && align_of::<RayHits>() == 64);
     assert!(size_of::<Lanes<i32>>() == 64);
 };
