@@ -456,7 +456,7 @@ impl Engine for Embree {
         if self.halves {
             for (half, valid) in halves(valid) {
                 let mut rays = Half::of(packet, half);
-                // SAFETY: as below.
+                // SAFETY: as below, with `RTCRayHit8`; half of `valid` is aligned to 32 bytes.
                 unsafe {
                     let rays = (&raw mut rays).cast();
                     (self.api.rtcIntersect8)(valid.as_ptr(), self.scene.as_ptr(), rays, &raw const arguments);
@@ -481,7 +481,7 @@ impl Engine for Embree {
         if self.halves {
             for (half, valid) in halves(valid) {
                 let mut of_half = Half::of_rays(rays, half);
-                // SAFETY: as in `intersect`, with `RTCRay8`.
+                // SAFETY: as in `intersect`, with `RTCRay8` and half of `valid`.
                 unsafe {
                     let of_half = (&raw mut of_half).cast();
                     (self.api.rtcOccluded8)(valid.as_ptr(), self.scene.as_ptr(), of_half, &raw const arguments);
