@@ -65,6 +65,14 @@ def first():
     holo.write_image(OUT / "first.png", row(images, 160))
 
 
+def settings():
+    """The presets."""
+    options = dict(views=9, lenses=(120, 180), disparity=(-1, 1))
+    presets = [dict(spp="1/16", denoise="views"), {}, dict(denoise="views", target_error="2%")]
+    results = [holo.render(holo.Scene.gallery("garden"), **options, **preset) for preset in presets]
+    holo.write_image(OUT / "settings.png", row([result.light_field.encode().central for result in results], 240))
+
+
 def conventions():
     """A color for every microlens and a brightness for every view, as raw image and as grid of views."""
     v, u, t, s = np.mgrid[0:4, 0:6, 0:3, 0:3]
@@ -315,7 +323,7 @@ def generated():
 if __name__ == "__main__":
     OUT.mkdir(parents=True, exist_ok=True)
     every = (
-        field, first, conventions, noise, datasets, motion, others, plenoptic, train, accuracy,
+        field, first, settings, conventions, noise, datasets, motion, others, plenoptic, train, accuracy,
         glass, array, focused, rigs, display, depth, orthographic, generated,
     )
     for make in every:

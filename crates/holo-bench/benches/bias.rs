@@ -66,10 +66,7 @@ fn options() -> Options {
 
 /// Prints a line; returns how many blocks differ by more than 3 standard errors, and of how many.
 fn measure(name: &str, options: &Options) -> (usize, usize) {
-    let scene = match name.ends_with(".glb") {
-        true => holo_scene::gltf::load(name.as_ref(), &Default::default()).expect("a scene").scene,
-        false => gallery::scene(name).expect("a scene of the gallery"),
-    };
+    let scene = holo_bench::scene(name);
     let (renderer, request) = framed(&scene, options);
     let usual = request.clone().reuse(Reuse::Views);
     let plain = request.reuse(Reuse::Off).roulette(false).sampling(Sampling::Independent);

@@ -9,6 +9,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
+use holo_bench::memory_bytes;
 use holo_core::{GridSize, LightField, LightFieldShape};
 use holo_io::{MatOptions, MatOrder, MatVersion, write_mat_light_field};
 use ndarray::Array3;
@@ -61,10 +62,7 @@ fn one(what: &str, folder: &Path) {
         }
         other => panic!("no entry {other}"),
     };
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or("0");
-    let peak: f64 = peak.trim().trim_end_matches(" kB").parse().unwrap_or(0.0);
-    println!("{seconds} {bytes} {}", peak * 1024.0);
+    println!("{seconds} {bytes} {}", memory_bytes("VmHWM:").unwrap_or(0));
 }
 
 fn compare() {
@@ -98,7 +96,7 @@ fn report(name: &str, what: &str, script: &str, dtype: &str, folder: &Path) {
         _ => (0..count).flat_map(|at| raw(at).to_le_bytes()).collect(),
     };
     std::fs::write(&samples, bytes).expect("room");
-    let program = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let program = holo_bench::python();
     let script = format!(
         "import sys, os, time, resource, numpy as n\nfrom scipy.io import savemat\nimport h5py\nout=sys.argv[2]\n\
          a=n.fromfile(sys.argv[1], n.{dtype}).reshape(53,100,79,100,3).transpose(0,2,1,3,4)\nb=time.perf_counter()\n\

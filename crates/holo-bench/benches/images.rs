@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
+use holo_bench::memory_bytes;
 use holo_io::{ColorEncoding, Compression, ExrChannel, ExrCompression, Limits, read_exr, write_exr_with, write_png};
 use ndarray::{Array3, Axis};
 
@@ -68,7 +69,7 @@ fn run(folder: &Path, entry: &str, rounds: usize) -> Result<[f64; 3], String> {
     let rounds = rounds.to_string();
     let mut command = match entry.strip_prefix("py ") {
         Some(entry) => {
-            let mut python = Command::new(std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned()));
+            let mut python = Command::new(holo_bench::python());
             let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/images.py");
             python.arg(script).arg(folder).args([entry, &rounds, &ROWS.to_string(), &COLUMNS.to_string()]);
             python
@@ -127,7 +128,8 @@ fn shaped<T>(samples: impl Iterator<Item = T>) -> Array3<T> {
 fn report(rounds: usize, file: &Path, mut work: impl FnMut()) {
     // Resets the peak memory of this process.
     let _ = std::fs::write("/proc/self/clear_refs", "5");
-    let before = status("VmRSS:");
+    let memory = |key| memory_bytes(key).unwrap_or(0);
+    let before = memory("VmRSS:");
     let mut best = f64::INFINITY;
     for _ in 0..rounds {
         let start = Instant::now();
@@ -135,14 +137,7 @@ fn report(rounds: usize, file: &Path, mut work: impl FnMut()) {
         best = best.min(start.elapsed().as_secs_f64());
     }
     let bytes = std::fs::metadata(file).expect("the file").len();
-    println!("{best} {bytes} {}", status("VmHWM:").saturating_sub(before));
-}
-
-/// An entry of `/proc/self/status`, in bytes; 0 if there is none.
-fn status(name: &str) -> u64 {
-    let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = text.lines().find_map(|line| line.strip_prefix(name));
-    line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok()).unwrap_or(0) * 1024
+    println!("{best} {bytes} {}", memory("VmHWM:").saturating_sub(before));
 }
 
 /// Writes the image as 16-bit little-endian samples, which this file and `images.py` convert to the other formats.

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use std::process::Command;
 use std::time::Instant;
 
-use holo_bench::best_of;
+use holo_bench::{best_of, memory_bytes};
 use holo_core::{GridSize, LightFieldShape};
 use holo_render::bench::{Storage, Work, renderer, trace};
 use holo_render::{Baseline, Framing, GroundTruth, Integrator, Request};
@@ -110,9 +110,7 @@ fn measure(case: &str, storage_name: &str, views: usize, rounds: usize) {
 
 /// The most memory that this process has had so far (Linux; 0 elsewhere).
 fn peak_mib() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    line.and_then(|kib| kib.split_whitespace().next()?.parse::<u64>().ok()).unwrap_or(0) / 1024
+    memory_bytes("VmHWM:").unwrap_or(0) >> 20
 }
 
 fn scene(case: &str) -> Scene {

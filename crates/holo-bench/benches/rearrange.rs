@@ -102,7 +102,7 @@ fn best(repetitions: usize, mut work: impl FnMut()) -> Duration {
 
 /// The times of numpy's strided copy into an existing array, in both directions, measured in Python.
 fn numpy(dtype: &str, split: LightFieldShape) -> Result<[Duration; 2], String> {
-    let program = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let program = holo_bench::python();
     let [v, u, t, s, c] = split.array_shape(3);
     let script = format!(
         "import numpy as n, time; e=n.ones(({v},{t},{u},{s},{c}),n.{dtype}); \

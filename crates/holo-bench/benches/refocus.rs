@@ -65,7 +65,7 @@ fn measure(views: usize, range_px: f64) {
 
 /// Seconds for one plane, and the image.
 fn numpy(views: usize, disparity_px: f64) -> Result<(f64, Vec<f32>), String> {
-    let program = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let program = holo_bench::python();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/refocus.py");
     let image = std::env::temp_dir().join(format!("holo-bench-refocus-{}.raw", std::process::id()));
     let output = Command::new(program)

@@ -14,7 +14,6 @@ use holo_bench::error::{Images, nine, rgb, sorted, squared_error};
 use holo_bench::on_the_paper_sensor;
 use holo_core::LightFieldOwned;
 use holo_render::{Integrator, Request, Reuse, Views};
-use holo_scene::gallery;
 
 struct Options {
     scenes: Vec<String>,
@@ -71,10 +70,7 @@ fn options() -> Options {
 
 /// Prints a line; returns the logarithm of the gain.
 fn measure(name: &str, options: &Options) -> f64 {
-    let scene = match name.ends_with(".glb") {
-        true => holo_scene::gltf::load(name.as_ref(), &Default::default()).expect("a scene").scene,
-        false => gallery::scene(name).expect("a scene of the gallery"),
-    };
+    let scene = holo_bench::scene(name);
     let (renderer, rig) = on_the_paper_sensor(&scene, options.views);
     let shape = rig.shape();
     let middle = shape.lenses().rows / 2;

@@ -67,10 +67,7 @@ fn options() -> Options {
 
 /// Prints a line; returns the ratios of the errors at 1, 4 and 16 samples.
 fn measure(name: &str, options: &Options) -> [f64; 3] {
-    let scene = match name.ends_with(".glb") {
-        true => holo_scene::gltf::load(name.as_ref(), &Default::default()).expect("a scene").scene,
-        false => gallery::scene(name).expect("a scene of the gallery"),
-    };
+    let scene = holo_bench::scene(name);
     let (renderer, rig) = on_the_paper_sensor(&scene, options.views);
     let request = Request::new(rig).integrator(options.integrator).samples(4);
     let list = nine(options.views);

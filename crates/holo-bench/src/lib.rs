@@ -65,7 +65,7 @@ pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
             let name = std::path::Path::new(&path).file_stem().expect("a file name");
             (name.to_string_lossy().into_owned(), loaded.scene)
         }
-        None => ("garden".into(), holo_scene::gallery::scene("garden").expect("a scene of the gallery")),
+        None => ("garden".into(), scene("garden")),
     };
     let framing = Framing::new(
         LightFieldShape::new(GridSize::new(views, views), GridSize::new(lenses.1, lenses.0)).expect("sizes"),
@@ -76,6 +76,18 @@ pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
     let focus = renderer.automatic_focus_m(&framed).expect("a focus");
     let rig = framed.rig(focus).expect("a rig");
     Setup { scene, pose: framed.pose, rig, rounds, name }
+}
+
+/// The scene of a `.glb`, or one of the gallery.
+///
+/// # Panics
+/// If there is none.
+#[must_use]
+pub fn scene(name: &str) -> Scene {
+    match name.ends_with(".glb") {
+        true => holo_scene::gltf::load(name.as_ref(), &Default::default()).expect("a scene").scene,
+        false => holo_scene::gallery::scene(name).expect("a scene of the gallery"),
+    }
 }
 
 /// A renderer of `scene`, and a rig of this many views an axis on the 8K sensor of the paper, focused automatically.
@@ -89,6 +101,21 @@ pub fn on_the_paper_sensor(scene: &Scene, views: usize) -> (Renderer, Rig) {
     let renderer = Renderer::new(scene, &framed.pose, Backend::Auto, None).expect("a renderer");
     let rig = framed.rig(renderer.automatic_focus_m(&framed).expect("a focus")).expect("a rig");
     (renderer, rig)
+}
+
+/// The Python that others are measured in: `HOLO_PYTHON`, or `python3`.
+#[must_use]
+pub fn python() -> String {
+    std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned())
+}
+
+/// Memory of this process in bytes by its key in `/proc/self/status`, such as `VmHWM:`; `None` where the system does not
+/// say it.
+#[must_use]
+pub fn memory_bytes(key: &str) -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
 }
 
 /// A benchmark entry: its name, and a function that returns seconds and a count (of rays).

@@ -296,7 +296,7 @@ pub struct MergeOptions {
 const RENDER_EXAMPLES: &str = "\
 Examples:
   holo render scene.glb --out raw                                       # 100 x 100 views, 8K, 16 samples a pixel
-  holo render scene.glb --out soon --preset draft                       # the soonest image of the same
+  holo render scene.glb --out soon --preset draft                       # the fastest image of the same
   holo render scene.glb --out hci --preset hci                          # 9 x 9 views as in the HCI benchmark, with truth
   holo render scene.glb --out near --eye 0,1,2 --target 0,0.5,0 --views 9 --lenses 512x512 --disparity=-1.5,1.5
   holo render scene.glb --out lytro --camera-file lytro-illum           # the raw image of a plenoptic camera
@@ -317,8 +317,8 @@ fn preset_help() -> String {
         format!("- {}: {} ({})", preset.name, preset.help, settings.join(" "))
     };
     let lines: Vec<String> = PRESETS.iter().map(line).collect();
-    let first = "Settings with a name, below those of --config and of the command line; an option beside it replaces the whole \
-                 alternative of the preset.";
+    let first = "Settings with a name, below those of --config and of the command line; an option of the command \
+                 line replaces all settings of the preset that exclude it.";
     format!("{first}\n\n{}", lines.join("\n"))
 }
 

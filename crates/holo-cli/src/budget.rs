@@ -21,7 +21,7 @@ pub fn limit(gigabytes: Option<f64>) -> Result<(), String> {
         return Ok(());
     };
     let Rlimit { current, maximum } = getrlimit(Resource::Data);
-    let used = line_kilobytes("/proc/self/status", "VmData:").unwrap_or(0.0) * 1024.0;
+    let used = line_bytes("/proc/self/status", "VmData:").unwrap_or(0.0);
     // Floats become the nearest integer, however large.
     let wanted = (used + more) as u64;
     let allowed = [current, maximum].into_iter().flatten().fold(wanted, u64::min);
@@ -44,7 +44,7 @@ pub fn limit(gigabytes: Option<f64>) -> Result<(), String> {
 /// The memory that this process could get: of the machine with its swap, and of its control group (version 2).
 #[cfg(target_os = "linux")]
 fn free_bytes() -> Option<f64> {
-    let machine = |key| line_kilobytes("/proc/meminfo", key).map(|kilobytes| kilobytes * 1024.0);
+    let machine = |key| line_bytes("/proc/meminfo", key);
     let machine = machine("MemAvailable:")? + machine("SwapFree:").unwrap_or(0.0);
     Some(group_bytes().map_or(machine, |group| group.min(machine)))
 }
@@ -61,10 +61,9 @@ fn group_bytes() -> Option<f64> {
     Some((max - used + cached).max(0.0))
 }
 
-/// The number of kilobytes in the line of a file that begins with a key.
-#[cfg(target_os = "linux")]
-fn line_kilobytes(path: &str, key: &str) -> Option<f64> {
+/// The number of bytes in the line of a file that begins with a key, which the system gives in kilobytes.
+pub fn line_bytes(path: &str, key: &str) -> Option<f64> {
     let text = std::fs::read_to_string(path).ok()?;
     let rest = text.lines().find_map(|line| line.strip_prefix(key))?;
-    rest.trim().strip_suffix("kB")?.trim().parse().ok()
+    rest.trim().strip_suffix("kB")?.trim().parse::<f64>().ok().map(|kilobytes| kilobytes * 1024.0)
 }

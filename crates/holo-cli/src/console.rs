@@ -7,6 +7,7 @@ use std::io::{ErrorKind, Write};
 use holo_core::{shown_lines, shown_output};
 use holo_dataset::About;
 
+use crate::budget::line_bytes;
 use crate::failure::Failure;
 
 /// A line on standard output, for `out!`. A reader that has seen enough (`holo info x | head`) is no failure. Names from
@@ -40,9 +41,7 @@ pub fn say_unless(quiet: bool) -> impl Fn(About, &str) {
 
 /// Peak resident memory of this process, where the system reports it (Linux).
 pub fn peak_rss_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)
+    line_bytes("/proc/self/status", "VmHWM:").map(|bytes| bytes as u64)
 }
 
 /// `println!` with an error instead of a panic.

@@ -23,4 +23,5 @@ pub use jitter::{CameraDeviation, CameraJitter};
 pub use pinhole::Pinhole;
 pub(crate) use pinhole::Relative;
 pub use rig::{Rig, RigRay};
+pub(crate) use rotation::cross;
 pub use rotation::{rotation_near, rotation_of};

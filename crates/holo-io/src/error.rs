@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use holo_core::GridSize;
+
 /// An error of `holo-io`. Every message states what went wrong and where, and what to do where that is not obvious.
 ///
 /// The variants are grouped by cause: the file, the operating system, the memory limits, the caller.
@@ -154,6 +156,11 @@ impl Error {
     pub(crate) fn core(path: &Path, error: holo_core::Error) -> Self {
         Self::Core { path: path.to_owned(), error }
     }
+}
+
+/// Numbers of views and of the pixels of each, as messages name them.
+pub(crate) fn in_words((views, pixels): (GridSize, GridSize)) -> String {
+    format!("{} x {} views of {} x {} pixels", views.columns, views.rows, pixels.columns, pixels.rows)
 }
 
 /// What to do about an error of the operating system, where its own message does not state it.

@@ -5,19 +5,20 @@ pub(crate) mod display;
 
 use std::path::PathBuf;
 
-use holo_core::{DynImage, DynLightFieldRef, GridSize, Layout, Sample, for_each_sample};
+use holo_core::{DynImage, DynLightFieldRef, GridSize, Layout, for_each_sample};
 use holo_dataset::{Diagnostics, EXPORT_TARGETS, ExportJob, ExportTarget, Rollback};
 use holo_io::{
     ColorEncoding, Compression, ExrCompression, ExrSamples, ExrWriter, HciImage, HciTruth, LightFieldReader, Limits,
     MatOptions, MatOrder, ParametersCfg, ReadOptions,
 };
-use ndarray::{Array3, Axis};
+use ndarray::Axis;
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
 use crate::arrays::{Field, Image, give, give_field, give_image};
-use crate::cameras::rig::{Rig, Size, size};
+use crate::cameras::rig::{Rig, Size};
 use crate::failure::Failure;
+use crate::images::grid;
 use crate::options;
 use crate::render::{Told, listening};
 
@@ -43,28 +44,8 @@ impl Reader {
     }
 
     #[getter]
-    fn path(&self) -> PathBuf {
-        self.path.clone()
-    }
-
-    #[getter]
-    fn views(&self) -> Size {
-        size(self.reader.shape().views())
-    }
-
-    #[getter]
-    fn lenses(&self) -> Size {
-        size(self.reader.shape().lenses())
-    }
-
-    #[getter]
     fn rig(&self) -> Option<Rig> {
         self.reader.rig().map(|rig| Rig(*rig))
-    }
-
-    #[getter]
-    fn format(&self) -> String {
-        format!("{:?}", self.reader.format())
     }
 
     #[getter]
@@ -81,16 +62,6 @@ impl Reader {
     /// One view, axes (row, column, channel). Of an HDF5 file only its chunks are read.
     fn read_view<'py>(&self, py: Python<'py>, t: usize, s: usize) -> Result<Bound<'py, PyAny>, Failure> {
         Ok(give_image(py, py.detach(|| self.view(t, s))?))
-    }
-
-    /// Planar depth of the central view in meters, axes (row, column); None if the files have none.
-    fn central_depth_m<'py>(&self, py: Python<'py>) -> Result<Option<Bound<'py, PyAny>>, Failure> {
-        Ok(py.detach(|| self.reader.central_depth_m())?.map(|map| give(py, map)))
-    }
-
-    /// Disparity of the central view in pixels, axes (row, column); None if the files have none.
-    fn central_disparity_px<'py>(&self, py: Python<'py>) -> Result<Option<Bound<'py, PyAny>>, Failure> {
-        Ok(py.detach(|| self.reader.central_disparity_px())?.map(|map| give(py, map)))
     }
 }
 
@@ -194,12 +165,6 @@ fn write_grid(
     is_srgb: bool,
     is_exr: bool,
 ) -> Result<(), Failure> {
-    fn grid<T: Sample>(field: &holo_core::LightFieldRef<'_, T>, layout: Layout) -> Result<Array3<T>, holo_core::Error> {
-        match layout {
-            Layout::ElementalGrid => field.to_elemental_grid(),
-            Layout::ViewpointGrid => field.to_viewpoint_grid(),
-        }
-    }
     if is_exr {
         let DynLightFieldRef::F32(field) = field else {
             return Err(Failure::Usage("OpenEXR files are linear; save the light field of linear()".into()));

@@ -22,18 +22,15 @@ use crate::options;
 pub fn to_grid<'py>(py: Python<'py>, field: Field<'py>, layout: &str) -> Result<Bound<'py, PyAny>, Failure> {
     let layout = options::layout(layout)?;
     let field = field.borrow()?;
-    fn grid<'py, T: Sample + numpy::Element>(
-        py: Python<'py>,
-        field: LightFieldRef<'_, T>,
-        layout: Layout,
-    ) -> Result<Bound<'py, PyAny>, Failure> {
-        let image = py.detach(|| match layout {
-            Layout::ElementalGrid => field.to_elemental_grid(),
-            Layout::ViewpointGrid => field.to_viewpoint_grid(),
-        })?;
-        Ok(give(py, image))
+    for_each_sample!(DynLightFieldRef, field, field => Ok(give(py, py.detach(|| grid(&field, layout))?)))
+}
+
+/// A grid of a layout, axes (row, column, channel).
+pub fn grid<T: Sample>(field: &LightFieldRef<'_, T>, layout: Layout) -> Result<Array3<T>, holo_core::Error> {
+    match layout {
+        Layout::ElementalGrid => field.to_elemental_grid(),
+        Layout::ViewpointGrid => field.to_viewpoint_grid(),
     }
-    for_each_sample!(DynLightFieldRef, field, field => grid(py, field, layout))
 }
 
 /// The samples in linear light as float32.

@@ -68,6 +68,11 @@ pub fn order(word: &str) -> Result<ViewOrder, Failure> {
     choice("order", word, &ViewOrder::ALL.map(|order| (order.name(), order)))
 }
 
+/// The axis of the world that points up.
+pub fn world_up(word: &str) -> Result<WorldUp, Failure> {
+    choice("transforms_up", word, &[("z", WorldUp::Z), ("y", WorldUp::Y)])
+}
+
 pub fn effort(word: &str) -> Result<Effort, Failure> {
     let choices = [
         ("draft", Effort::Draft),

@@ -5,10 +5,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use holo_core::{LightFieldOwned, Sample};
-use holo_dataset::settings::{Kind, Setting, table, word};
+use holo_dataset::settings::word;
 use holo_dataset::{About, Camera, Checkpoints, Diagnostics, Event, RenderJob, Rendering, RunOptions, Shard};
-use holo_io::WorldUp;
-use holo_render::{Backend, Layer, Layers, Motion, RayCounts};
+use holo_render::{Layer, Layers, Motion, RayCounts};
 use ndarray::{Array, Array3, Array5, Axis, Dimension};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -26,39 +25,6 @@ pub type Engine = (String, usize);
 
 /// A result, and the diagnostics on the way to it.
 pub type Told<T> = (T, Vec<String>);
-
-/// Why Embree cannot be used; None if it can.
-#[pyfunction]
-pub fn missing_embree() -> Option<String> {
-    Backend::find_embree().err().map(|why| why.to_string())
-}
-
-/// The settings by key with form, kind, default and help, as the command line has them.
-#[pyfunction]
-pub fn settings_table(py: Python<'_>) -> Result<Vec<Bound<'_, PyDict>>, Failure> {
-    let row = |setting: &'static Setting| {
-        let dict = PyDict::new(py);
-        dict.set_item("key", setting.key())?;
-        dict.set_item("form", setting.form())?;
-        dict.set_item("default", setting.default())?;
-        dict.set_item("help", setting.help().join("\n"))?;
-        let (kind, words) = match setting.kind() {
-            Kind::Flag => ("bool", Vec::new()),
-            Kind::Integer => ("int", Vec::new()),
-            Kind::Number => ("float", Vec::new()),
-            Kind::Size => ("size", Vec::new()),
-            Kind::Range => ("range", Vec::new()),
-            Kind::Word(words) => ("word", words.iter().map(|word| word.name).collect()),
-            Kind::Words(words) => ("words", words.iter().map(|word| word.name).collect()),
-            Kind::Other(python) => (python, Vec::new()),
-            _ => ("str", Vec::new()),
-        };
-        dict.set_item("kind", kind)?;
-        dict.set_item("words", words)?;
-        Ok(dict)
-    };
-    table().map(row).collect()
-}
 
 /// Renders into arrays.
 #[pyfunction]
@@ -137,7 +103,7 @@ pub fn render_folder<'py>(
     let shard =
         request.shard.as_deref().map(str::parse::<Shard>).transpose().map_err(|why| Failure::Usage(why.to_string()))?;
     let camera = request.camera.map_or_else(Camera::default, |camera| camera.0.into());
-    let up = options::choice("transforms_up", &request.transforms_up, &[("z", WorldUp::Z), ("y", WorldUp::Y)])?;
+    let up = options::world_up(&request.transforms_up)?;
     let poses = request.transforms.as_deref().map(|path| (path, up));
     let settings = options::settings(&options, request.preset.as_deref(), camera, poses)?;
     let job = RenderJob::new(source.open()?, settings)

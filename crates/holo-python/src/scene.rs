@@ -66,7 +66,7 @@ pub struct MeshArrays<'py> {
     double_sided: bool,
 }
 
-/// A light: kind, linear RGB intensity, position, direction and angles.
+/// A light: kind, linear RGB intensity, position and direction.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct LightNumbers {
@@ -74,7 +74,6 @@ pub struct LightNumbers {
     intensity: [f64; 3],
     position: [f64; 3],
     direction: [f64; 3],
-    angles: [f64; 2],
 }
 
 /// A camera: where it is, what it looks at, and its vertical angle of view in radians.
@@ -139,18 +138,10 @@ impl LightNumbers {
         let (position, direction) = (self.position, self.direction);
         let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
         let direction = direction.map(|x| x / length.max(f64::MIN_POSITIVE));
-        let [first, second] = self.angles;
         match self.kind.as_str() {
-            "directional" => Ok(LightKind::Directional { direction, angular_diameter_rad: first }),
+            "directional" => Ok(LightKind::Directional { direction, angular_diameter_rad: 0.0 }),
             "point" => Ok(LightKind::Point { position, range: None }),
-            "spot" => Ok(LightKind::Spot {
-                position,
-                direction,
-                range: None,
-                inner_angle_rad: first,
-                outer_angle_rad: second,
-            }),
-            other => Err(Failure::Usage(format!("a light '{other}': give directional, point or spot"))),
+            other => Err(Failure::Usage(format!("a light '{other}': give directional or point"))),
         }
     }
 }

@@ -41,16 +41,6 @@ pub enum Backend {
     BruteForce,
 }
 
-impl Backend {
-    /// Looks for Embree, once per process.
-    ///
-    /// # Errors
-    /// [`Error::Embree`] with the locations that were searched, if there is none.
-    pub fn find_embree() -> Result<(), Error> {
-        embree::Embree::available()
-    }
-}
-
 /// The coherence of the rays of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Coherence {

@@ -424,7 +424,7 @@ impl Renderer {
     fn integrator(&self, transport: &Transport) -> (Integrator, String) {
         match transport.integrator {
             Integrator::Auto => auto::choose(&self.contents(transport), transport.indirect),
-            chosen => (chosen, "asked for".into()),
+            chosen => (chosen, "requested".into()),
         }
     }
 

@@ -50,25 +50,21 @@ impl Page {
     ///
     /// Those of `out`, and of reading the file of the raw image.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        write(out, self)
-    }
-}
-
-fn write(out: &mut impl Write, contents: &Page) -> io::Result<()> {
-    let mut rest = PAGE;
-    for placeholder in PLACEHOLDERS {
-        // A test checks that the page has every placeholder.
-        let (before, after) = rest.split_once(placeholder).unwrap_or((rest, ""));
-        out.write_all(before.as_bytes())?;
-        match placeholder {
-            "{{title}}" => out.write_all(escaped(&contents.title).as_bytes())?,
-            "{{style}}" => out.write_all(STYLE.as_bytes())?,
-            "{{data}}" => write_data(out, contents)?,
-            _ => SCRIPTS.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
+        let mut rest = PAGE;
+        for placeholder in PLACEHOLDERS {
+            // A test checks that the page has every placeholder.
+            let (before, after) = rest.split_once(placeholder).unwrap_or((rest, ""));
+            out.write_all(before.as_bytes())?;
+            match placeholder {
+                "{{title}}" => out.write_all(escaped(&self.title).as_bytes())?,
+                "{{style}}" => out.write_all(STYLE.as_bytes())?,
+                "{{data}}" => write_data(out, self)?,
+                _ => SCRIPTS.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
+            }
+            rest = after;
         }
-        rest = after;
+        out.write_all(rest.as_bytes())
     }
-    out.write_all(rest.as_bytes())
 }
 
 fn write_data(out: &mut impl Write, contents: &Page) -> io::Result<()> {

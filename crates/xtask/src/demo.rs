@@ -9,7 +9,7 @@ use crate::{Result, root, target};
 /// the kernels of the renderer are compiled once instead of for three instruction sets.
 fn build() -> Result<std::path::PathBuf> {
     crate::setup_embree()?;
-    let environment = vec![("RUSTFLAGS", "-C target-cpu=native".into()), ("CARGO_PROFILE_QUICK_LTO", "off".into())];
+    let environment = vec![("RUSTFLAGS", "-C target-cpu=native".into())];
     cargo::run_with(&["build", "--profile", "quick", "-p", "holo-cli"], environment)?;
     Ok(target().join("quick").join(format!("holo{}", std::env::consts::EXE_SUFFIX)))
 }

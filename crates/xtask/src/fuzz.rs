@@ -114,7 +114,6 @@ fn build(targets: &[&str], folder: &Path, host: &str) -> Result {
         cargo::command()
             .env("RUSTFLAGS", flags)
             .env("CARGO_TARGET_DIR", folder)
-            .env("CARGO_PROFILE_QUICK_LTO", "off")
             .envs(cmake::environment())
             .args([
                 "build",

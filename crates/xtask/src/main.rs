@@ -34,7 +34,7 @@ mod sanitize;
 mod setup;
 mod test;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use setup::pip::Availability;
@@ -82,8 +82,7 @@ fn run(arguments: &[String]) -> Result {
             setup::python::test(rest)
         }
         "doc" => doc(),
-        // `rooms` is its name up to 0.2.0.
-        "modules" | "rooms" => modules::run(),
+        "modules" => modules::run(),
         "sanitize" => {
             setup::embree::ensure()?;
             sanitize::run(rest)
@@ -131,6 +130,11 @@ fn root() -> PathBuf {
 /// The folder of everything built and fetched.
 fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
+/// The release build of `holo`, in the folder of everything built.
+fn program(target: &Path) -> PathBuf {
+    target.join("release").join(format!("holo{}", std::env::consts::EXE_SUFFIX))
 }
 
 fn strs(list: &[String]) -> Vec<&str> {
@@ -190,9 +194,9 @@ fn build() -> Result {
     setup()?;
     setup::cargo::run(&[&["build", "--release", "-p", "holo-cli"], features()].concat())?;
     // Not copied elsewhere: from here the program finds Embree.
-    let folder = target().join("release");
-    println!("built {}", folder.join(format!("holo{}", std::env::consts::EXE_SUFFIX)).display());
+    println!("built {}", program(&target()).display());
     if cfg!(unix) {
+        let folder = target().join("release");
         let folder = folder.canonicalize().unwrap_or(folder);
         println!("to call it holo: export PATH=\"{}:$PATH\"", folder.display());
     }

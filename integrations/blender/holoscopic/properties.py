@@ -26,7 +26,7 @@ PRESETS = (
 # The words and sets of the page of `holo preview`.
 QUALITIES = {
     "CLEAN": ("Clean", "About 2 % of noise", {"denoise": "views", "target-error": "2%"}),
-    "DRAFT": ("Draft", "The soonest image", {"spp": "1/16", "denoise": "views"}),
+    "DRAFT": ("Draft", "The fastest image", {"spp": "1/16", "denoise": "views"}),
     "SAMPLES": ("Samples a Pixel", "A number of samples", None),
     "REFERENCE": ("Reference", "1024 samples", {"spp": "1024", "denoise": "off", "reuse": "off"}),
 }

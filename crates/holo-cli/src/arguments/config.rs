@@ -1,6 +1,7 @@
 //! Options from a TOML file: the long names of the command line, which wins where both say something.
 
 use std::ffi::OsString;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use clap::parser::ValueSource;
@@ -35,19 +36,15 @@ pub fn complete<T: Args + FromArgMatches>(
 
 /// Reads settings of a render.
 pub fn read(path: &Path) -> Result<Given, Failure> {
-    let wrong = |what: String| Failure::Usage(format!("{}: {what}", path.display()));
-    let table: toml::Table = read_text(path)?.parse().map_err(|why: toml::de::Error| wrong(why.to_string()))?;
     let mut given = Given::default();
-    for (key, value) in &table {
-        let words = words(value)
-            .ok_or_else(|| wrong(format!("`{key}` is neither a number, a text, yes or no, nor a list of these")))?;
-        let mut text = words.join(",");
+    for (key, value) in &table(path, &read_text(path)?)? {
+        let mut text = words_of(path, key, value)?.join(",");
         let name = key.replace('_', "-");
         // An environment map lies where the file says.
         if name == "sky" && text.contains('.') && text.parse::<f64>().is_err() && !text.contains(',') {
             text = relative_to_file(path, vec![text]).concat();
         }
-        given.insert(&name, text).map_err(|why| wrong(Failure::from(why).message()))?;
+        given.insert(&name, text).map_err(|why| wrong(path, Failure::from(why).message()))?;
     }
     Ok(given)
 }
@@ -67,8 +64,7 @@ fn parse<T: Args + FromArgMatches>(
     said: &ArgMatches,
     own: Vec<OsString>,
 ) -> Result<T, Failure> {
-    let wrong = |what: String| Failure::Usage(format!("{}: {what}", path.display()));
-    let table: toml::Table = text.parse().map_err(|why: toml::de::Error| wrong(why.to_string()))?;
+    let table = table(path, text)?;
     let command = T::augment_args(Command::new("holo dataset").no_binary_name(true));
     let mut line: Vec<OsString> = Vec::new();
     for (key, value) in &table {
@@ -80,13 +76,12 @@ fn parse<T: Args + FromArgMatches>(
         };
         let option = command.get_arguments().find(is_called);
         if name == "config" {
-            return Err(wrong("a file of options cannot name another".into()));
+            return Err(wrong(path, "a file of options cannot name another"));
         }
         if option.is_some_and(|option| said.value_source(option.get_id().as_str()) == Some(ValueSource::CommandLine)) {
             continue;
         }
-        let words = words(value)
-            .ok_or_else(|| wrong(format!("`{key}` is neither a number, a text, yes or no, nor a list of these")))?;
+        let words = words_of(path, key, value)?;
         let words = match name.as_str() {
             name if PATHS.contains(&name) => relative_to_file(path, words),
             // In their order.
@@ -102,10 +97,26 @@ fn parse<T: Args + FromArgMatches>(
     line.extend(own);
     let matches = command.try_get_matches_from(line);
     let parsed = matches.and_then(|matches| T::from_arg_matches(&matches));
-    parsed.map_err(|error| wrong(with_similar_value(error).to_string()))
+    parsed.map_err(|error| wrong(path, with_similar_value(error)))
 }
 
-/// A value as it would stand on the command line, in pieces.
+/// What is wrong with a file of options.
+fn wrong(path: &Path, what: impl Display) -> Failure {
+    Failure::Usage(format!("{}: {what}", path.display()))
+}
+
+/// The keys and values in the text of a file of options.
+fn table(path: &Path, text: &str) -> Result<toml::Table, Failure> {
+    text.parse().map_err(|why: toml::de::Error| wrong(path, why))
+}
+
+/// The value of a key as it would stand on the command line, in pieces.
+fn words_of(path: &Path, key: &str, value: &Value) -> Result<Vec<String>, Failure> {
+    let refused = || wrong(path, format!("`{key}` is neither a number, a text, yes or no, nor a list of these"));
+    words(value).ok_or_else(refused)
+}
+
+/// A value as it would stand on the command line, in pieces; tables and times cannot.
 fn words(value: &Value) -> Option<Vec<String>> {
     Some(match value {
         Value::String(text) => vec![text.clone()],

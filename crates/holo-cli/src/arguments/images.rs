@@ -78,7 +78,7 @@ pub struct DisplayOptions {
     pub distance_m: Option<f64>,
     /// Show the scene as a model, enlarged or reduced alike in all directions; needs the camera parameters.
     ///
-    /// Without it the views fill the zone of the lenses, and depths are as deep as that makes them.
+    /// Without it the views fill the zone of the lenses, and depths are scaled to fit it.
     #[arg(long)]
     pub to_scale: bool,
     /// Row of views for cylindrical lenses, from 0 [default: the middle].

@@ -64,7 +64,7 @@ pub fn synthesize(options: &SynthesizeOptions, array: &ArrayFolder) -> Result<()
     let folder = options.input.input.display();
     if options.at.is_some() {
         return Err(Failure::Usage(format!(
-            "{folder}: its cameras are in no grid; give --eye and --target instead of --at"
+            "{folder}: its cameras do not form a grid; give --eye and --target instead of --at"
         )));
     }
     if !matches!(options.disparity, None | Some(DisparityArgument::Truth)) {

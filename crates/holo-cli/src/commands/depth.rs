@@ -149,7 +149,7 @@ fn of_array(options: &DepthOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(format!("{folder}: cameras anywhere have no disparity; give --depths-m NEAR,FAR")));
     };
     if options.subset.is_some() {
-        return Err(Failure::Usage(format!("{folder}: its cameras are in no grid, so --subset has no meaning")));
+        return Err(Failure::Usage(format!("{folder}: its cameras do not form a grid, so --subset has no meaning")));
     }
     // Which axis points up does not matter to depth.
     let array = ArrayFolder::open(&options.input.input, WorldUp::Y)?;

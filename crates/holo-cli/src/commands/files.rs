@@ -73,11 +73,11 @@ pub fn at_position(out: &Path, [column, row]: [usize; 2], largest: usize) -> Pat
     with_suffix(out, &format!("_r{row:0digits$}_c{column:0digits$}"))
 }
 
-/// Writes the mask of the pixels that no view shows next to the image.
+/// Writes the mask of the pixels that no view shows next to the image: `view_holes.png` for `view.pfm`.
 pub fn write_holes(out: &Path, holes: &Array2<bool>) -> Result<(), Failure> {
     let count = holes.iter().filter(|&&is_hole| is_hole).count();
     let mask = holes.mapv(|is_hole| if is_hole { 255u8 } else { 0 });
-    write(&next_to(out, "_holes", "png"), mask.view().insert_axis(Axis(2)))?;
+    write(&with_suffix(out, "_holes").with_extension("png"), mask.view().insert_axis(Axis(2)))?;
     say!("{count} of {} pixels are in no view, and filled from farther surfaces", holes.len());
     Ok(())
 }
@@ -90,11 +90,6 @@ pub fn kind_of(out: &Path, source: SampleKind) -> SampleKind {
         SampleKind::U8 => SampleKind::U8,
         _ => SampleKind::U16,
     }
-}
-
-/// `view.pfm` has `view_holes.png` next to it.
-fn next_to(out: &Path, suffix: &str, ending: &str) -> PathBuf {
-    with_suffix(out, suffix).with_extension(ending)
 }
 
 pub fn with_suffix(out: &Path, suffix: &str) -> PathBuf {

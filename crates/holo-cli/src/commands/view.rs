@@ -47,7 +47,6 @@ fn dataset_of(options: &ViewOptions) -> Option<&Path> {
 fn about(path: &Path, error: holo_viewer::Error) -> Failure {
     match error {
         holo_viewer::Error::Io(error) => error.into(),
-        holo_viewer::Error::EstimateSize { .. } => Failure::Failed(format!("{}: {error}", path.display())),
         other => Failure::Failed(format!("{}: {other}", path.display())),
     }
 }

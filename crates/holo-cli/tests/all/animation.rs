@@ -1,7 +1,7 @@
 //! `--frame`: frames of an animated scene, their motion, sequences, parts of them, and what is wrong with them.
 
 use crate::common;
-use crate::common::{Bench, read_u8};
+use crate::common::{Bench, read_u8, run};
 use holo_io::{Limits, Manifest, read_flo, read_pfm, read_pfm_gray};
 use ndarray::{Array2, Axis};
 use serde_json::Value;
@@ -15,13 +15,6 @@ fn bench() -> Bench {
 }
 
 const SMALL: &str = "render pendulum.glb --lenses 48x32 --views 3x2 --integrator direct --spp 1";
-
-#[track_caller]
-fn run(bench: &Bench, line: &str) -> common::Outcome {
-    let outcome = bench.run(line);
-    assert_eq!(outcome.code, Some(0), "{line}: {outcome:?}");
-    outcome
-}
 
 #[test]
 fn a_sequence_is_its_frames_in_any_parts_and_order() {

@@ -1,12 +1,6 @@
 //! Every command reads every folder that holds a light field, whatever it holds it in; and says what it reads.
 
-use crate::common::{Bench, Outcome, SCENE, bench_display, read_u8, shifted_camera};
-
-fn ok(bench: &Bench, arguments: &str) -> Outcome {
-    let outcome = bench.run(arguments);
-    assert_eq!(outcome.code, Some(0), "{arguments}: {outcome:?}");
-    outcome
-}
+use crate::common::{Bench, SCENE, bench_display, camera_bench, read_u8, run, shifted_camera};
 
 fn refused(bench: &Bench, arguments: &str, code: i32, words: &[&str]) {
     let outcome = bench.run(arguments);
@@ -16,9 +10,8 @@ fn refused(bench: &Bench, arguments: &str, code: i32, words: &[&str]) {
 
 /// A bench with the raw image of a plenoptic camera in `raw`.
 fn plenoptic() -> Bench {
-    let bench = Bench::new();
-    std::fs::write(bench.path("small.toml"), shifted_camera()).unwrap();
-    ok(&bench, &format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --out raw"));
+    let bench = camera_bench();
+    run(&bench, &format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --out raw"));
     bench
 }
 
@@ -38,7 +31,7 @@ fn every_command_reads(bench: &Bench, folder: &str, what: &str, ending: &str) {
         format!("remap {folder} own_vpi.{ending}"),
         format!("rotate-elements {folder} own_el.{ending}"),
     ] {
-        let outcome = ok(bench, &command);
+        let outcome = run(bench, &command);
         assert!(outcome.stderr.contains(&format!("note: reads {what}\n")), "{command}: {outcome:?}");
     }
 }
@@ -47,7 +40,7 @@ fn every_command_reads(bench: &Bench, folder: &str, what: &str, ending: &str) {
 fn every_representation_of_a_render_is_read_by_every_command() {
     let bench = Bench::new();
     bench.render("whole", "--write vpi");
-    ok(&bench, "extract whole --view 1,1 --out expected.png");
+    run(&bench, "extract whole --view 1,1 --out expected.png");
     for (write, removed, what, ending) in [
         ("mat", None, "scene_5d.mat", "png"),
         ("hci", None, "hci", "png"),
@@ -64,7 +57,7 @@ fn every_representation_of_a_render_is_read_by_every_command() {
         if ending == "png" {
             assert_eq!(read_u8(bench.path("view.png")), read_u8(bench.path("expected.png")), "{write}");
         }
-        let info = ok(&bench, "info out").stdout;
+        let info = run(&bench, "info out").stdout;
         assert!(info.starts_with("dataset folder, 5 x 4 views of 12 x 8 pixels\n"), "{info}");
     }
 }
@@ -73,23 +66,23 @@ fn every_representation_of_a_render_is_read_by_every_command() {
 fn the_note_is_about_choices_alone() {
     let bench = Bench::new();
     bench.render("one", "--write el");
-    assert_eq!(ok(&bench, "extract one --view 1,1 --out view.png").stderr, "");
+    assert_eq!(run(&bench, "extract one --view 1,1 --out view.png").stderr, "");
     bench.render("several", "--write el,vpi,mat");
     let note = "note: reads scene_el.png\n";
-    assert_eq!(ok(&bench, "extract several --view 1,1 --out view.png").stderr, note);
-    assert!(ok(&bench, "view several --out page.html").stderr.starts_with(note));
+    assert_eq!(run(&bench, "extract several --view 1,1 --out view.png").stderr, note);
+    assert!(run(&bench, "view several --out page.html").stderr.starts_with(note));
     // Of a file there is no choice.
-    assert_eq!(ok(&bench, "extract several/scene_5d.mat --view 1,1 --out view.png").stderr, "");
-    assert!(!ok(&bench, "view several/scene_el.png --out page.html").stderr.contains("note:"));
-    assert_eq!(ok(&bench, "depth several --range -2,2 --out estimate.pfm --quiet").stderr, "");
+    assert_eq!(run(&bench, "extract several/scene_5d.mat --view 1,1 --out view.png").stderr, "");
+    assert!(!run(&bench, "view several/scene_el.png --out page.html").stderr.contains("note:"));
+    assert_eq!(run(&bench, "depth several --range -2,2 --out estimate.pfm --quiet").stderr, "");
 }
 
 #[test]
 fn a_plenoptic_folder_is_read_as_views() {
     let bench = plenoptic();
     every_command_reads(&bench, "raw", "raw.exr", "pfm");
-    ok(&bench, "optics raw");
-    let info = ok(&bench, "info raw").stdout;
+    run(&bench, "optics raw");
+    let info = run(&bench, "info raw").stdout;
     for part in ["folder of the plenoptic camera 'small', 120 x 90 pixels", "micro-images", "holo ", "raw_linear.png"] {
         assert!(info.contains(part), "no '{part}' in {info}");
     }
@@ -99,12 +92,12 @@ fn a_plenoptic_folder_is_read_as_views() {
     // From the raw image of a focused camera views are rendered.
     let focused = shifted_camera().replace("gap_um = 400.0", "gap_um = 400.0\nfocal_um = [500.0]");
     std::fs::write(bench.path("focused.toml"), focused).unwrap();
-    ok(&bench, &format!("render {SCENE} --camera-file focused.toml --spp 1 --sky 1,1,1 --layers depth --out focused"));
-    ok(&bench, "info focused");
-    ok(&bench, "depth focused --out focused.pfm");
-    ok(&bench, "refocus focused --disparity 0 --out focused.png");
-    ok(&bench, "decode focused --depth focused/raw_depth.pfm --out along");
-    ok(&bench, "verify along");
+    run(&bench, &format!("render {SCENE} --camera-file focused.toml --spp 1 --sky 1,1,1 --layers depth --out focused"));
+    run(&bench, "info focused");
+    run(&bench, "depth focused --out focused.pfm");
+    run(&bench, "refocus focused --disparity 0 --out focused.png");
+    run(&bench, "decode focused --depth focused/raw_depth.pfm --out along");
+    run(&bench, "verify along");
     refused(
         &bench,
         "decode raw --depth focused/raw_depth.pfm --out x",
@@ -112,23 +105,23 @@ fn a_plenoptic_folder_is_read_as_views() {
         &["views of an unfocused camera need no depth"],
     );
     // White images alone are none.
-    ok(&bench, "target --camera-file small.toml --checkerboard 5x3 --square-mm 10 --spp 1 --out target");
-    assert!(ok(&bench, "info target").stdout.contains("no raw image"));
+    run(&bench, "target --camera-file small.toml --checkerboard 5x3 --square-mm 10 --spp 1 --out target");
+    assert!(run(&bench, "info target").stdout.contains("no raw image"));
     refused(&bench, "depth target --out x.pfm", 1, &["none of raw.exr, raw_linear.png"]);
 }
 
 #[test]
 fn decode_finds_the_camera_beside_the_raw_image() {
     let bench = plenoptic();
-    ok(&bench, "decode raw/raw.exr --camera-file raw/camera.toml --out named");
-    ok(&bench, "decode raw/raw.exr --out beside");
-    ok(&bench, "decode raw --out folder");
+    run(&bench, "decode raw/raw.exr --camera-file raw/camera.toml --out named");
+    run(&bench, "decode raw/raw.exr --out beside");
+    run(&bench, "decode raw --out folder");
     assert!(bench.bytes("beside") == bench.bytes("named") && bench.bytes("folder") == bench.bytes("named"));
     std::fs::create_dir(bench.path("alone")).unwrap();
     std::fs::copy(bench.path("raw/raw.exr"), bench.path("alone/raw.exr")).unwrap();
     refused(&bench, "decode alone/raw.exr --out x", 2, &["has no camera.toml", "--camera-file"]);
     refused(&bench, "decode alone --out x", 2, &["has no camera.toml", "--camera-file"]);
-    ok(&bench, "decode alone --camera-file small.toml --out again");
+    run(&bench, "decode alone --camera-file small.toml --out again");
     std::fs::remove_file(bench.path("alone/raw.exr")).unwrap();
     refused(&bench, "decode alone --out x", 1, &["alone", "neither raw.exr nor raw_linear.png"]);
     refused(&bench, "decode alone/raw.exr --out x", 1, &["cannot read alone/raw.exr"]);
@@ -140,7 +133,7 @@ fn decode_finds_the_camera_beside_the_raw_image() {
 fn files_without_a_manifest_are_read() {
     let bench = Bench::new();
     bench.render("out", "");
-    ok(&bench, "extract out --view 3,1 --out expected.png");
+    run(&bench, "extract out --view 3,1 --out expected.png");
     std::fs::create_dir(bench.path("copy")).unwrap();
     let copy = |name: &str| std::fs::copy(bench.path("out").join(name), bench.path("copy").join(name)).unwrap();
     for name in ["scene_el.png", "scene_vpi.png", "scene_disparity.png"] {
@@ -151,15 +144,15 @@ fn files_without_a_manifest_are_read() {
     refused(&bench, "compose copy --views 3x1 --out x_el.png", 2, &["has 0 images"]);
     assert_eq!(bench.run("info copy").code, Some(1));
     copy("parameters.cfg");
-    ok(&bench, "extract copy --view 3,1 --out view.png");
+    run(&bench, "extract copy --view 3,1 --out view.png");
     assert_eq!(read_u8(bench.path("view.png")), read_u8(bench.path("expected.png")));
-    let info = ok(&bench, "info copy").stdout;
+    let info = run(&bench, "info copy").stdout;
     assert!(info.contains("light field in scene_el.png") && info.contains("5 x 4 views of 12 x 8 px"), "{info}");
     copy("scene_5d.mat");
     for name in ["scene_el.png", "scene_vpi.png", "parameters.cfg"] {
         std::fs::remove_file(bench.path("copy").join(name)).unwrap();
     }
-    let outcome = ok(&bench, "extract copy --view 3,1 --out view.png");
+    let outcome = run(&bench, "extract copy --view 3,1 --out view.png");
     assert_eq!(outcome.stderr, "note: reads scene_5d.mat\n");
     assert_eq!(read_u8(bench.path("view.png")), read_u8(bench.path("expected.png")));
 }
@@ -167,8 +160,8 @@ fn files_without_a_manifest_are_read() {
 #[test]
 fn a_dng_is_described() {
     let bench = plenoptic();
-    ok(&bench, "develop raw/raw.exr --sensor-model imx250 --out codes.png");
-    let info = ok(&bench, "info codes.dng").stdout;
+    run(&bench, "develop raw/raw.exr --sensor-model imx250 --out codes.png");
+    let info = run(&bench, "info codes.dng").stdout;
     assert_eq!(info, "DNG raw image, 120 x 90 pixels, 16 bits, largest code 4095, color filter RGGB\n");
     let bytes = std::fs::read(bench.path("codes.dng")).unwrap();
     // The directory is behind the codes.

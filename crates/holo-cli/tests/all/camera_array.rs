@@ -1,7 +1,7 @@
 //! `--transforms`: cameras anywhere, in the files of NeRF and nerfstudio.
 
 use crate::common;
-use crate::common::Bench;
+use crate::common::{Bench, ok};
 use holo_io::{Limits, read_pfm_gray};
 use holo_scene::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use serde_json::{Value, json};
@@ -234,10 +234,6 @@ pub fn boxes() -> Scene {
     scene
 }
 
-pub fn ok(outcome: common::Outcome) {
-    assert_eq!(outcome.code, Some(0), "{outcome:?}");
-}
-
 pub fn image(bench: &Bench, name: &str) -> ndarray::Array3<f64> {
     holo_io::read_linear(bench.path(name), &Limits::default()).unwrap().mapv(f64::from)
 }
@@ -376,7 +372,10 @@ fn cameras_that_look_away_from_each_other_are_refused() {
     std::fs::write(bench.path("in.json"), file.to_string()).unwrap();
     ok(bench.run("render tiny.glb --out array --transforms in.json --spp 1 --layers depth"));
     for (arguments, part) in [
-        ("refocus array --distance-m 1 --out x.png", "2 cameras within the aperture have nothing in common: 1 of them"),
+        (
+            "refocus array --distance-m 1 --out x.png",
+            "2 cameras within the aperture do not see the same surface: 1 of them",
+        ),
         (
             "correspond array --from camera_0000 --to camera_0001 --out x.npy",
             "camera_0001 sees none of the 96 pixels of camera_0000",

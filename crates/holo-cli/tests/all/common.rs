@@ -51,6 +51,13 @@ pub fn shifted_camera() -> String {
     CAMERA.replace("[60, 45]", "[120, 90]").replace("gap_um", "offset_um = [7.0, -4.0]\ngap_um")
 }
 
+/// A bench with [`shifted_camera`] in `small.toml`.
+pub fn camera_bench() -> Bench {
+    let bench = Bench::new();
+    std::fs::write(bench.path("small.toml"), shifted_camera()).unwrap();
+    bench
+}
+
 /// The keys of an image sensor, for the section `sensor`.
 const SENSOR_KEYS: &str = r#"pixel_um = 5.0
 model = "imx250"
@@ -172,6 +179,35 @@ pub fn outcome(mut command: Command) -> Outcome {
         stderr: String::from_utf8(output.stderr).unwrap(),
         took: start.elapsed(),
     }
+}
+
+/// What became of a run that must have succeeded.
+#[track_caller]
+pub fn ok(outcome: Outcome) -> Outcome {
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    outcome
+}
+
+/// Runs `holo`, which must succeed.
+#[track_caller]
+pub fn run(bench: &Bench, arguments: &str) -> Outcome {
+    let outcome = bench.run(arguments);
+    assert_eq!(outcome.code, Some(0), "{arguments}: {outcome:?}");
+    outcome
+}
+
+/// Runs `holo`, which must succeed: what it says.
+#[track_caller]
+pub fn succeeds(bench: &Bench, arguments: &str) -> String {
+    run(bench, arguments).stderr
+}
+
+/// Runs `holo`, which must call that a wrong use, with this word.
+#[track_caller]
+pub fn refused(bench: &Bench, arguments: &str, word: &str) {
+    let outcome = bench.run(arguments);
+    assert_eq!(outcome.code, Some(2), "{arguments}: {outcome:?}");
+    assert!(outcome.stderr.contains(word), "{arguments}: no '{word}' in {}", outcome.stderr);
 }
 
 /// Waits for a process at most so long; what runs longer is killed and gives `None`.

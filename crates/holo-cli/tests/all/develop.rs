@@ -1,6 +1,6 @@
 //! `holo develop` and `holo demosaic`: codes of sensors, and color again.
 
-use crate::common::{Bench, SCENE, camera_with_sensor};
+use crate::common::{Bench, SCENE, camera_with_sensor, refused, succeeds};
 use crate::python;
 use holo_io::{ExrChannel, Limits, MosaicInfo, read_exr, read_png, write_exr};
 use ndarray::{Array2, Array3};
@@ -8,18 +8,6 @@ use ndarray::{Array2, Array3};
 /// A camera of 120 x 90 pixels with a sensor.
 fn camera() -> String {
     camera_with_sensor().replace("[60, 45]", "[120, 90]")
-}
-
-fn succeeds(bench: &Bench, command: &str) -> String {
-    let outcome = bench.run(command);
-    assert_eq!(outcome.code, Some(0), "{command}: {outcome:?}");
-    outcome.stderr
-}
-
-fn refused(bench: &Bench, command: &str, word: &str) {
-    let outcome = bench.run(command);
-    assert_eq!(outcome.code, Some(2), "{command}: {outcome:?}");
-    assert!(outcome.stderr.contains(word), "{command}: no '{word}' in {}", outcome.stderr);
 }
 
 /// A bench with the raw image of a camera, in `out`.

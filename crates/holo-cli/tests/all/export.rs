@@ -1,13 +1,8 @@
 //! `holo export`: what it writes has the values, names and orders that its readers' own code expects.
 
-use crate::common::{Bench, Outcome, SCENE, read_u8};
+use crate::common::{Bench, SCENE, ok, read_u8};
 use holo_core::LightFieldOwned;
 use holo_io::{LightFieldReader, Limits, ReadOptions};
-
-fn ok(outcome: Outcome) -> Outcome {
-    assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    outcome
-}
 
 fn json(bench: &Bench, name: &str) -> serde_json::Value {
     serde_json::from_slice(&std::fs::read(bench.path(name)).unwrap()).unwrap()

@@ -1,29 +1,13 @@
 //! `holo export` of raw images and boards, and of what readers of saliency take.
 
-use crate::common::{Bench, Outcome, SCENE, read_u8, shifted_camera};
+use crate::common::{Bench, SCENE, camera_bench, ok, read_u8, refused, shifted_camera};
 use holo_core::DynImage;
 use holo_io::{LightFieldReader, Limits, MatArray, ReadOptions};
-
-fn ok(outcome: Outcome) -> Outcome {
-    assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    outcome
-}
-
-fn refused(bench: &Bench, command: &str, word: &str) {
-    let outcome = bench.run(command);
-    assert!(outcome.code == Some(2) && outcome.stderr.contains(word), "{command}: {outcome:?}");
-}
-
-fn bench() -> Bench {
-    let bench = Bench::new();
-    std::fs::write(bench.path("small.toml"), shifted_camera()).unwrap();
-    bench
-}
 
 /// A raw image that was rendered for no program becomes the bytes of a render for it.
 #[test]
 fn raw_images_become_what_a_render_for_a_program_writes() {
-    let bench = bench();
+    let bench = camera_bench();
     // LFToolbox and PlenoptiCam take square grids too, the others do not.
     let tools = "plenopticam,libpleno,pip,raytrix,plenpy";
     let hexagonal = shifted_camera().replace("square", "hex-rows");
@@ -72,7 +56,7 @@ fn raw_images_become_what_a_render_for_a_program_writes() {
 /// COMPOTE gets every board, its corners and its place; a corner that its pose and `scene.js` place is where the truth says.
 #[test]
 fn boards_are_exported_for_compote() {
-    let bench = bench();
+    let bench = camera_bench();
     let pose = |x: f64, angle: f64| {
         format!("[[pose]]\nposition_m = [{x}, -0.0003, -0.35]\nrotation_deg = [{angle}, 0.0, 0.0]\n")
     };

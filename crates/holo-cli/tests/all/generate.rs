@@ -1,15 +1,10 @@
 //! `holo generate`: scenes of recipes, wherever they are drawn.
 
-use crate::common::{Bench, Outcome};
+use crate::common::{Bench, camera_bench, ok};
 use holo_io::{Manifest, ManifestValue};
 
 const LINE: &str =
     "generate --count 4 --seed 5 --recipe hci-like --views 3 --lenses 24x24 --spp 1 --integrator direct --quiet";
-
-fn ok(outcome: Outcome) -> Outcome {
-    assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    outcome
-}
 
 /// All files of a folder, with their bytes; lists of the whole set are left out.
 fn files(bench: &Bench, folder: &str) -> Vec<(String, Vec<u8>)> {
@@ -104,8 +99,7 @@ fn options_win_over_the_recipe() {
 /// The microlens array of every scene is turned and moved, and its focus too: as `camera.toml` says it.
 #[test]
 fn recipes_perturb_plenoptic_cameras() {
-    let bench = Bench::new();
-    std::fs::write(bench.path("small.toml"), crate::common::shifted_camera()).unwrap();
+    let bench = camera_bench();
     let line = "generate --count 3 --seed 5 --recipe plenoptic-raw --camera-file small.toml --spp 1 --integrator direct --quiet";
     ok(bench.run(&format!("{line} --out set")));
     let camera =

@@ -145,7 +145,7 @@ fn a_dataset_replaces_no_file_that_only_has_a_name_of_its_own() {
         fs::write(bench.path("set").join(name), text).unwrap();
         let before = bench.list("set");
         let pixels = if name == "transforms.json" { "--transforms mine.json --focus-m 1" } else { "--sensor 36x24" };
-        failed(&holo(&bench, &format!("{arguments} {pixels}")), &[name, "none of its own"]);
+        failed(&holo(&bench, &format!("{arguments} {pixels}")), &[name, "did not write this one"]);
         assert_eq!(bench.list("set"), before);
         assert_eq!(fs::read_to_string(bench.path("set").join(name)).unwrap(), text);
         assert!(name == "dataset.json" || fs::read(bench.path("set/dataset.json")).unwrap() == planted);

@@ -1,14 +1,9 @@
 //! `holo extract`, `compose`, `rotate-elements`, `quilt`, `animate` and `optics`: light fields taken apart and put together.
 
-use crate::common::{Bench, Outcome, bench_display, read_u8, small_split};
+use crate::common::{Bench, bench_display, ok, read_u8, small_split};
 use holo_core::{GridSize, LightFieldOwned};
 use ndarray::s;
 use serde_json::Value;
-
-fn ok(outcome: Outcome) -> Outcome {
-    assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    outcome
-}
 
 fn rendered(bench: &Bench) -> LightFieldOwned<u8> {
     bench.render("out", "--baseline-m 0.05");

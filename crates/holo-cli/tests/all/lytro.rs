@@ -1,17 +1,11 @@
 //! Raw images of Lytro's cameras, made here from renders: containers, packed codes, white images.
 
-use crate::common::{Bench, SCENE};
+use crate::common::{Bench, SCENE, succeeds};
 use holo_core::DynImage;
 use holo_io::interop::LytroModel;
 use holo_io::{CameraFile, Limits};
 use ndarray::{Array2, Axis};
 use serde_json::{Value, json};
-
-fn succeeds(bench: &Bench, command: &str) -> String {
-    let outcome = bench.run(command);
-    assert_eq!(outcome.code, Some(0), "{command}: {outcome:?}");
-    outcome.stderr
-}
 
 /// An Illum with a part of its sensor, as its own metadata describe it.
 const PART: &str = "preset = \"lytro-illum\"\n[sensor]\nsize_px = [240, 160]\n";

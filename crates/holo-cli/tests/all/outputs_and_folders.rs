@@ -1,16 +1,11 @@
 //! What commands do with existing files, and formats for other programs.
 
 use crate::common;
-use crate::common::{Bench, Outcome, SCENE, SMALL};
+use crate::common::{Bench, SCENE, SMALL, ok};
 #[cfg(feature = "hdf5")]
 use crate::python;
 use holo_io::{HciFolder, HciQuantity, HciResolution, Limits, Manifest, read_exr, read_pfm_gray};
 use serde_json::Value;
-
-fn ok(outcome: Outcome) -> Outcome {
-    assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    outcome
-}
 
 /// Refused with exit code 2 and these words; the folder stays as it is.
 fn refused(bench: &Bench, folder: &str, arguments: &str, words: &[&str]) {

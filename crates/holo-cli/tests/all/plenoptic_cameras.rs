@@ -2,31 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use crate::common::{Bench, SCENE, shifted_camera};
+use crate::common::{SCENE, camera_bench, refused, shifted_camera, succeeds};
 use holo_core::DynImage;
 use holo_io::{Limits, Manifest};
 
-fn bench() -> Bench {
-    let bench = Bench::new();
-    std::fs::write(bench.path("small.toml"), shifted_camera()).unwrap();
-    bench
-}
-
-fn succeeds(bench: &Bench, command: &str) -> String {
-    let outcome = bench.run(command);
-    assert_eq!(outcome.code, Some(0), "{command}: {outcome:?}");
-    outcome.stderr
-}
-
-fn refused(bench: &Bench, command: &str, word: &str) {
-    let outcome = bench.run(command);
-    assert_eq!(outcome.code, Some(2), "{command}: {outcome:?}");
-    assert!(outcome.stderr.contains(word), "{command}: no '{word}' in {}", outcome.stderr);
-}
-
 #[test]
 fn raw_images_are_rendered_decoded_and_kept() {
-    let bench = bench();
+    let bench = camera_bench();
     let render = format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --out raw");
     let said = succeeds(&bench, &format!("{render} --layers depth,blur,coverage --for lftoolbox,plenopticam"));
     assert!(said.contains("angle of view") && said.contains("% of the pixels lit"), "{said}");
@@ -89,7 +71,7 @@ fn raw_images_are_rendered_decoded_and_kept() {
 /// A camera file that is wrong about the array is corrected by a white image: views are those of the true camera.
 #[test]
 fn white_images_calibrate_cameras() {
-    let bench = bench();
+    let bench = camera_bench();
     let truth = shifted_camera().replace("[120, 90]", "[600, 450]").replace("gap_um", "rotation_deg = 0.35\ngap_um");
     let nominal = truth.replace("rotation_deg = 0.35", "").replace("71.2", "71.0").replace("[7.0, -4.0]", "[0.0, 0.0]");
     for (name, text) in [("truth.toml", &truth), ("nominal.toml", &nominal)] {
@@ -127,7 +109,7 @@ fn white_images_calibrate_cameras() {
 /// The true camera has no error on its own boards, thin or of glass; a wrong one has that of its mistake.
 #[test]
 fn calibrations_are_scored() {
-    let bench = bench();
+    let bench = camera_bench();
     let thin = shifted_camera().replace("[120, 90]", "[300, 240]");
     let focal = thin.lines().find(|line| line.starts_with("focal_mm")).unwrap().to_owned();
     let f_number = thin.lines().find(|line| line.starts_with("f_number")).unwrap().to_owned();
@@ -184,7 +166,7 @@ fn calibrations_are_scored() {
 /// Rows of pixels, each with every layer, become the same files as the whole.
 #[test]
 fn parts_of_a_raw_image_become_the_whole() {
-    let bench = bench();
+    let bench = camera_bench();
     let render = format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --layers all --for lftoolbox");
     succeeds(&bench, &format!("{render} --out whole"));
     for part in 1..=3 {
@@ -207,7 +189,7 @@ fn parts_of_a_raw_image_become_the_whole() {
 /// the whole.
 #[test]
 fn raw_images_are_denoised() {
-    let bench = bench();
+    let bench = camera_bench();
     let render =
         format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --denoise views --layers error,depth");
     succeeds(&bench, &format!("{render} --out whole"));
@@ -230,7 +212,7 @@ fn raw_images_are_denoised() {
 /// Frames of an animation as raw images: a folder each, with the exposure of the first, in any parts.
 #[test]
 fn a_plenoptic_camera_films() {
-    let bench = bench();
+    let bench = camera_bench();
     succeeds(&bench, "scene pendulum");
     let render = "render pendulum.glb --camera-file small.toml --spp 2 --write raw,raw-png --quiet";
     succeeds(&bench, &format!("{render} --frame 4-6 --out film"));
@@ -251,7 +233,7 @@ fn a_plenoptic_camera_films() {
 
 #[test]
 fn impossible_requests_are_refused() {
-    let bench = bench();
+    let bench = camera_bench();
     let render = |more: &str| format!("render {SCENE} --camera-file small.toml --out out {more}");
     refused(&bench, &render("--ground-truth all"), "`holo decode` adds those of the central view");
     refused(&bench, &render("--write el"), "raw-png");
@@ -283,7 +265,7 @@ fn impossible_requests_are_refused() {
 /// Corners against a projection through thin lenses, from the centers of the micro-images.
 #[test]
 fn corners_are_where_thin_lenses_image_them() {
-    let bench = bench();
+    let bench = camera_bench();
     let poses = "[[pose]]\nposition_m = [0.0005, -0.0003, -0.35]\nrotation_deg = [20.0, 0.0, 0.0]\n";
     std::fs::write(bench.path("poses.toml"), poses).unwrap();
     succeeds(

@@ -1,7 +1,7 @@
 //! Light fields at poses: correspondences, and their views as cameras.
 
-use crate::camera_array::{boxes, deviation, image, numbers, ok};
-use crate::common::{Bench, CAMERA};
+use crate::camera_array::{boxes, deviation, image, numbers};
+use crate::common::{Bench, CAMERA, ok};
 use holo_io::{ArrayCamera, ArrayFolder, CameraArray, Limits, WorldUp, read_pfm_gray};
 use serde_json::Value;
 

@@ -1,7 +1,6 @@
 //! `--subset`: some of the views of a rig.
 
-use crate::common;
-use crate::common::Bench;
+use crate::common::{Bench, run};
 
 const SMALL: &str = "render tiny.glb --lenses 18x12 --views 5x4 --spp 2 --exposure 0.5 --sky 0.2,0.3,0.4";
 
@@ -9,13 +8,6 @@ const SMALL: &str = "render tiny.glb --lenses 18x12 --views 5x4 --spp 2 --exposu
 fn views(bench: &Bench, folder: &str) -> Vec<String> {
     let files = bench.list(&format!("{folder}/hci")).into_iter();
     files.filter(|name| name.starts_with("input_Cam")).collect()
-}
-
-#[track_caller]
-fn run(bench: &Bench, line: &str) -> common::Outcome {
-    let outcome = bench.run(line);
-    assert_eq!(outcome.code, Some(0), "{line}: {outcome:?}");
-    outcome
 }
 
 #[test]

@@ -1,17 +1,12 @@
 //! `holo refocus`, `synthesize`, `depth`, `eval` and `epi`: what they write is what the libraries say.
 
-use crate::common::{Bench, Outcome, SCENE, read_u8, read_u16, small_split};
+use crate::common::{Bench, SCENE, ok, read_u8, read_u16, small_split};
 use crate::python;
 use holo_core::for_each_sample;
 use holo_core::metrics::{NormalGeometry, Region, disparity_scores, median_angle_error_deg};
 use holo_io::{ColorEncoding, Compression, Limits, read_pfm_gray, write_pfm, write_png};
 use ndarray::{Array2, s};
 use serde_json::Value;
-
-fn ok(outcome: Outcome) -> Outcome {
-    assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    outcome
-}
 
 #[test]
 fn refocus_at_zero_is_the_mean_of_the_views_in_linear_light() {

@@ -4,15 +4,10 @@
 use std::fmt::Write as _;
 use std::process::Command;
 
-use crate::common::{Bench, Outcome, patterned, peer, read_u8};
+use crate::common::{Bench, ok, patterned, peer, read_u8};
 use holo_core::LightFieldOwned;
 use holo_io::{ColorEncoding, Compression, Limits};
 use ndarray::{Array2, Array3, s};
-
-fn ok(outcome: Outcome) -> Outcome {
-    assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    outcome
-}
 
 /// What base64 says, with padding only at the end.
 fn decoded(text: &str) -> Vec<u8> {

@@ -55,12 +55,6 @@ impl RigRay {
     pub fn at_depth_m(&self, depth_m: f64) -> [f64; 3] {
         std::array::from_fn(|axis| self.origin_m[axis] + depth_m * self.direction[axis])
     }
-
-    /// Returns the length of the ray per meter of depth.
-    #[must_use]
-    pub fn length_per_depth(&self) -> f64 {
-        self.direction[0].hypot(self.direction[1]).hypot(1.0)
-    }
 }
 
 impl RigBuilder {

@@ -1,10 +1,10 @@
-//! Clipping to ranges of views, of microlenses, or of the pixels of one image.
+//! Clipping to ranges of views or of microlenses.
 
 use std::ops::{Bound, Range, RangeBounds};
 
-use ndarray::{ArrayView3, Axis, Data, DataMut, RawData, Slice};
+use ndarray::{Axis, Data, RawData, Slice};
 
-use super::{LightField, LightFieldRef, LightFieldRefMut};
+use super::{LightField, LightFieldRef};
 use crate::Error;
 use crate::base::error::range_within;
 
@@ -91,85 +91,6 @@ impl<S: Data> LightField<S> {
     ) -> Result<LightFieldRef<'_, S::Elem>, Error> {
         self.as_light_field_ref().into_clip_lenses(rows, columns)
     }
-
-    /// Returns a part of view `(t, s)`.
-    ///
-    /// # Shape
-    ///
-    /// `(v, u, c)`, with as many rows and columns as the ranges.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::OutOfRange`] if there is no such view; [`Error::BadRange`] if a range is empty or ends beyond the
-    /// image.
-    pub fn crop_view(
-        &self,
-        t: usize,
-        s: usize,
-        rows: impl RangeBounds<usize>,
-        columns: impl RangeBounds<usize>,
-    ) -> Result<ArrayView3<'_, S::Elem>, Error> {
-        crop(self.view(t, s)?, rows, columns)
-    }
-
-    /// Returns a part of the elemental image of microlens `(v, u)`.
-    ///
-    /// # Shape
-    ///
-    /// `(t, s, c)`, with as many rows and columns as the ranges.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::OutOfRange`] if there is no such microlens; [`Error::BadRange`] if a range is empty or ends beyond the
-    /// image.
-    pub fn crop_elemental_image(
-        &self,
-        v: usize,
-        u: usize,
-        rows: impl RangeBounds<usize>,
-        columns: impl RangeBounds<usize>,
-    ) -> Result<ArrayView3<'_, S::Elem>, Error> {
-        crop(self.elemental_image(v, u)?, rows, columns)
-    }
-}
-
-impl<S: DataMut> LightField<S> {
-    /// Returns a rectangle of views as a mutably borrowed light field.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadRange`] if a range is empty or ends beyond the views.
-    pub fn clip_views_mut(
-        &mut self,
-        rows: impl RangeBounds<usize>,
-        columns: impl RangeBounds<usize>,
-    ) -> Result<LightFieldRefMut<'_, S::Elem>, Error> {
-        self.as_light_field_mut().into_clip_views(rows, columns)
-    }
-
-    /// Returns a rectangle of microlenses as a mutably borrowed light field.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadRange`] if a range is empty or ends beyond the microlenses.
-    pub fn clip_lenses_mut(
-        &mut self,
-        rows: impl RangeBounds<usize>,
-        columns: impl RangeBounds<usize>,
-    ) -> Result<LightFieldRefMut<'_, S::Elem>, Error> {
-        self.as_light_field_mut().into_clip_lenses(rows, columns)
-    }
-}
-
-fn crop<'a, T>(
-    image: ArrayView3<'a, T>,
-    rows: impl RangeBounds<usize>,
-    columns: impl RangeBounds<usize>,
-) -> Result<ArrayView3<'a, T>, Error> {
-    let (height, width, _) = image.dim();
-    let (rows, columns) = (within("image rows", &rows, height)?, within("image columns", &columns, width)?);
-    let image = image.slice_axis_move(Axis(0), Slice::from(rows));
-    Ok(image.slice_axis_move(Axis(1), Slice::from(columns)))
 }
 
 /// The range of indices from 0 to `count` within the given bounds.

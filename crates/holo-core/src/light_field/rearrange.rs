@@ -98,7 +98,7 @@ where
     /// [`Error::Shape`] if the image has another shape; it is then unchanged.
     pub fn to_elemental_grid_into(&self, image: ArrayViewMut3<'_, S::Elem>) -> Result<(), Error> {
         let (_, _, t, _, _) = self.samples().dim();
-        self.fill_rows("elemental grid", image, |row| (row / t, row % t), fill_elemental_row)
+        self.fill_rows("elemental grid", image, |row| (row / t, row % t), fill_row)
     }
 
     /// Writes the viewpoint grid into an existing image of any strides.
@@ -164,11 +164,6 @@ where
         }
         Ok(())
     }
-}
-
-/// Writes the samples `(u, s, c)` of one lens row and view row as a row of the elemental grid: U groups of S pixels.
-fn fill_elemental_row<T: Copy>(samples: ArrayView3<'_, T>, row: ArrayViewMut2<'_, T>, scratch: &mut Scratch<T>) {
-    fill_row(samples, row, scratch);
 }
 
 /// Writes the samples `(u, s, c)` of one lens row and view row as a row of the viewpoint grid: S groups of U pixels.

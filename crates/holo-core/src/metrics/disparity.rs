@@ -230,6 +230,29 @@ mod tests {
         }
     }
 
+    /// Two f32 of one sign, of which neither is more than twice the other, have an exact difference. Others that are a
+    /// threshold apart are at most 0.14: their difference and the threshold are rounded by 4e-9 each.
+    #[test]
+    fn errors_in_f32_are_classified_alike_beside_the_thresholds() {
+        for threshold_px in BAD_PIXEL_THRESHOLDS_PX {
+            for k in -500..=500 {
+                let truth = (f64::from(k) * 7e-3) as f32;
+                for beside_px in [-1.1e-6, -5e-7, -1.1e-7, 1.1e-7, 5e-7, 1.1e-6] {
+                    for sign in [-1.0, 1.0] {
+                        let estimate = (f64::from(truth) + sign * (threshold_px + beside_px)) as f32;
+                        let error_px = (f64::from(estimate) - f64::from(truth)).abs();
+                        if (error_px - threshold_px).abs() <= 1e-7 {
+                            continue;
+                        }
+                        let is_bad = (estimate - truth).abs() > threshold_px as f32;
+                        let found = bad_pixels_percent(&array![[estimate]], &array![[truth]], threshold_px, &ALL);
+                        assert_eq!(found, Ok(if is_bad { 100.0 } else { 0.0 }), "{estimate} {truth} {threshold_px}");
+                    }
+                }
+            }
+        }
+    }
+
     #[test]
     fn fattening_and_thinning_are_the_two_signs_of_large_errors() {
         let truth = array![[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f64::NAN]];

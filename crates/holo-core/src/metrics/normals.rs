@@ -4,6 +4,7 @@ use ndarray::{Array2, Array3, ArrayRef2};
 
 use super::region::same_shape;
 use super::{Region, Score};
+use crate::camera::cross;
 use crate::{Error, Real, Rig};
 
 /// The geometry of the point cloud of a disparity map.
@@ -169,10 +170,6 @@ fn normal(point: impl Fn(usize, usize) -> [f64; 3]) -> [f64; 3] {
     let normal = cross(down, right);
     let length = normal[0].hypot(normal[1]).hypot(normal[2]);
     normal.map(|component| component / length + center)
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn angle_rad(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -142,7 +142,7 @@ impl MainLens {
     ///
     /// # Errors
     ///
-    /// Those of [`Prescription::focused_by`].
+    /// [`Error::BadNumber`] if the group has no surface, all of them, or ends within glass, or reaches no such focus.
     pub fn of_glass_with_group(group: FocusGroup, depth_m: f64, virtual_depth: f64) -> Result<Self, Error> {
         let [first, last] = group.surfaces;
         let moved = group.at_infinity.focused_by(first..=last, depth_m)?;

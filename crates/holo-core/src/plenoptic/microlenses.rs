@@ -73,7 +73,7 @@ impl LensAperture {
 
     /// Returns the radius of the smallest disc that contains the aperture, in meters.
     #[must_use]
-    pub fn outer_radius_m(&self) -> f64 {
+    pub(crate) fn outer_radius_m(&self) -> f64 {
         match *self {
             Self::Round { radius_m } => radius_m,
             Self::Square { half_width_m } => half_width_m * std::f64::consts::SQRT_2,

@@ -65,7 +65,7 @@ impl Surface {
 
     /// Returns 1 / radius; 0 for a plane.
     #[must_use]
-    pub fn curvature_per_m(&self) -> f64 {
+    pub(crate) fn curvature_per_m(&self) -> f64 {
         if self.radius_m == 0.0 { 0.0 } else { 1.0 / self.radius_m }
     }
 

@@ -5,7 +5,7 @@
 ///
 /// # Accuracy
 ///
-/// Mean exact; variance larger by 0.14, 5e-4 of the least mean; skewness to second order.
+/// Mean within 1e-3; variance larger by 0.14, 5e-4 of the least mean; skewness to second order.
 const LARGE_MEAN: f64 = 256.0;
 
 /// What a random number is for. Numbers of different purposes are independent.
@@ -93,7 +93,7 @@ fn poisson_inverse(u: f64, mean: f64) -> f64 {
 ///
 /// # Accuracy
 ///
-/// 1e-15, relative.
+/// 1e-14, relative.
 fn inverse_normal(p: f64) -> f64 {
     let q = p - 0.5;
     if q.abs() <= 0.425 {
@@ -142,7 +142,7 @@ const FAR_TAIL: Rational = [
 ///
 /// # Accuracy
 ///
-/// 4e-16 of the larger of the result and 1.
+/// 1e-15 of the larger of the result and 1.
 fn ln(x: f64) -> f64 {
     let bits = x.to_bits();
     let mut exponent = ((bits >> 52) & 0x7ff) as i64 - 1023;
@@ -161,7 +161,7 @@ fn ln(x: f64) -> f64 {
 ///
 /// # Accuracy
 ///
-/// 4e-16 + |x| 1e-16, relative.
+/// 1e-15 + |x| 2e-16, relative.
 pub(super) fn exp(x: f64) -> f64 {
     /// ln 2 in two parts, the first of which has 20 trailing zero bits: its multiples are exact.
     const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
@@ -227,7 +227,9 @@ mod tests {
         );
     }
 
-    /// Mean and variance from 0.1 to 1e4 electrons, against the exact sums of the inverse for every u, evenly spaced.
+    /// Mean and variance from 0.1 to 1e4 electrons, as sums of the inverse over evenly spaced u. Half a step of u is
+    /// the error of every cumulative probability, and the mean has the sum of these errors: 5e-4 for 1e4 electrons,
+    /// where five standard deviations either way are 1000 numbers.
     #[test]
     fn poisson_numbers_have_their_mean_and_variance() {
         const COUNT: u64 = 1 << 20;
@@ -245,7 +247,7 @@ mod tests {
                 squares += (value - mean) * (value - mean);
             }
             let (bias, variance) = (sum / COUNT as f64, squares / COUNT as f64);
-            assert!(bias.abs() < 1e-3 * mean, "{mean}: mean off by {bias}");
+            assert!(bias.abs() < 1e-3 * mean.min(1.0), "{mean}: mean off by {bias}");
             assert!((variance / mean - 1.0).abs() < 1e-3, "{mean}: variance {variance}");
         }
     }

@@ -104,7 +104,7 @@ pub fn synthetic_aperture(
     }
     if seeing == 0 || seeing == 1 && within > 1 {
         return Err(Error::BadRequest(format!(
-            "the {within} cameras within the aperture have nothing in common: {seeing} of them see the surface in the view; give \
+            "the {within} cameras within the aperture do not see the same surface: {seeing} of them see that of the view; give \
              another surface, or a view that they look at"
         )));
     }

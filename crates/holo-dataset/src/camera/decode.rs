@@ -191,7 +191,7 @@ impl DecodeJob {
         let (path, name) = (path.display(), &self.camera.name);
         let line = match camera.white_grid(white.view())? {
             None if camera.lens_count() < FEWEST_LENSES => return Ok(()),
-            None => format!("{path}: it has not the grid of micro-images of {name}"),
+            None => format!("{path}: its grid of micro-images is not that of {name}"),
             Some(found) if found.largest_px > MOST_GRID_ERROR_PX => {
                 let pitch_px = camera.micro_image_pitch_px();
                 let rotation_deg = camera.array().rotation_rad.to_degrees();

@@ -241,7 +241,7 @@ pub fn planned_rig(
     let shape = shifted(settings, shape)?;
     let (baseline_m, focus_m) = match settings.spacing {
         Spacing::DisparitiesPx((min_px, max_px)) => {
-            let which = || Error::BadRequest("`disparity` of which depths? give `depths-m`".into());
+            let which = || Error::BadRequest("`disparity` needs the depths of the scene: give `depths-m`".into());
             let depths = depths.ok_or_else(which)?;
             let range = DisparityRange { min_px, max_px };
             let found = rig_for_disparities(depths, range, intrinsics, shape.lenses())?;

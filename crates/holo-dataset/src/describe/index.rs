@@ -41,7 +41,7 @@ const CONVENTIONS: [(&str, &str); 8] = [
 const RAW_CONVENTIONS: [(&str, &str); 5] = [
     ("raw images", "They are upright: rows run down, and nothing is turned or flipped. Vignetting is in them."),
     (
-        "colour",
+        "color",
         "raw.exr holds linear radiance; raw_linear.png holds it times 65535 times 2^EV at the exposure of manifest.json.",
     ),
     ("white images", "The light of a scene of radiance 1 in white.exr; in white.png 65535 is the brightest pixel."),
@@ -49,7 +49,7 @@ const RAW_CONVENTIONS: [(&str, &str); 5] = [
         "centers.csv",
         "Column and row of a micro-image from the upper left, and its center in pixels, whose centers are whole numbers.",
     ),
-    ("depth", "Metres along the optical axis; infinity where nothing is."),
+    ("depth", "Meters along the optical axis; infinity where nothing is hit."),
 ];
 
 /// A light field or a raw image of a dataset.
@@ -324,8 +324,8 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
         "\n\nViews share samples along the true disparity (--denoise views), and what is left of the noise moves with it: do not\n\
          score or train methods that match views on these images."
     } else if is_shared("reuse") {
-        "\n\nGroups of 16 views share light (--reuse views), and their noise stands still: do not score or train methods that\n\
-         match views on these images."
+        "\n\nGroups of 16 views share light (--reuse views), and their noise does not move with disparity: do not score or\n\
+         train methods that match views on these images."
     } else {
         ""
     };

@@ -64,7 +64,7 @@ impl<'a> Own<'a> {
         for name in names.chain(index.poses.iter().map(|_| TRANSFORMS.to_owned())) {
             if self.root.kind(&name)?.is_some() && !self.has(&name) {
                 return Err(Error::Failed(format!(
-                    "{}: the dataset writes a file of this name, and this one is none of its own; move it elsewhere",
+                    "{}: the dataset writes a file of this name, and did not write this one; move it elsewhere",
                     self.root.path_of(&name).display()
                 )));
             }

@@ -2,8 +2,8 @@
 
 use holo_core::Rig;
 use holo_io::{CameraFile, Manifest, ParametersCfg, dataset};
-use holo_render::{Layer, Layers, Motion, Rendered, exposure};
-use ndarray::{Array2, Array3};
+use holo_render::{Layer, Motion, Rendered, exposure};
+use ndarray::{Array2, Axis};
 
 use super::codes::Exposed;
 use super::folder::OutputFolder;
@@ -80,7 +80,8 @@ fn write_views(
     mut folder: OutputFolder,
 ) -> Result<Finished, Error> {
     let outputs = wanted.outputs(rendered.color.is_some())?;
-    let disparity_px = finite_range(&rendered.central);
+    // Pixels at infinite depth have a finite disparity too.
+    let disparity_px = range(rendered.central.disparity_px().into_iter().flatten());
     let mut parameters = views.parameters;
     // Those of all views, where all were rendered.
     let all = rendered.all.as_ref().filter(|all| all.set().contains(Layer::Disparity));
@@ -93,7 +94,7 @@ fn write_views(
     let mut statistics = Statistics::new(&rendered, views.visibility.as_ref());
     if let Some(visibility) = &views.visibility {
         if wanted.visibility {
-            layers::write_visibility(&mut folder, visibility)?;
+            layers::write_central(&mut folder, layers::VISIBILITY, visibility.view().insert_axis(Axis(2)))?;
         }
         if wanted.masks {
             statistics.masks = masks::write(&mut folder, &rendered, visibility)?;
@@ -115,12 +116,6 @@ fn write_views(
     statistics.write_to(&mut manifest);
     let files = folder.seal(manifest)?;
     Ok(Finished { disparity_px, statistics, files })
-}
-
-/// The range of the finite disparities of the central view, in pixels. Pixels at infinite depth have a finite disparity
-/// too.
-fn finite_range(central: &Layers<Array3<f32>>) -> Option<(f64, f64)> {
-    range(central.disparity_px().into_iter().flatten())
 }
 
 /// The range of the finite values.

@@ -20,9 +20,6 @@ use crate::settings::{Output, OutputSettings, ViewSubset};
 /// toolkit of the HCI benchmark scores.
 pub(crate) const HIGHRES_SCALE: usize = 10;
 
-/// The HCI folder in a dataset folder.
-const HCI_FOLDER: &str = "hci";
-
 /// What determines how color is written.
 pub(crate) struct Images<'a> {
     pub settings: &'a OutputSettings,
@@ -55,11 +52,12 @@ impl Images<'_> {
                 }
             }
         }
+        let all = self.settings.ground_truth == GroundTruth::All;
         if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
-            layers::write_color(folder, color, self.settings.ground_truth == GroundTruth::All)?;
+            layers::write_views(folder, layers::COLOR, color, all)?;
         }
         if let Some(error) = rendered.error.take() {
-            layers::write_error(folder, &error, self.settings.ground_truth == GroundTruth::All)?;
+            layers::write_views(folder, layers::ERROR, &error, all)?;
         }
         if self.wants(Output::H5) {
             self.write_hdf5(folder, rendered)?;
@@ -171,8 +169,8 @@ impl Images<'_> {
                 depth_m: depth_m.view(),
             }),
         };
-        let inner = folder.subfolder(HCI_FOLDER)?;
-        let name = |file: &str| format!("{HCI_FOLDER}/{file}");
+        let inner = folder.subfolder(dataset::HCI_FOLDER)?;
+        let name = |file: &str| format!("{}/{file}", dataset::HCI_FOLDER);
         // Registered before they are written, so that an interrupted run removes them.
         image.file_names().iter().for_each(|file| drop(folder.file(&name(file))));
         let written = image.write_in(&inner, Compression::Best)?;

@@ -8,7 +8,7 @@ use holo_core::LightFieldOwned;
 use holo_io::dataset::{self, layer_of_view};
 use holo_io::{ColorEncoding, Compression, Destination, FileDigest};
 use holo_render::{Layer, Layers, Rendered};
-use ndarray::{Array2, ArrayView3, Axis};
+use ndarray::{ArrayView3, Axis};
 use rayon::prelude::*;
 
 use super::folder::OutputFolder;
@@ -56,22 +56,13 @@ pub(crate) fn write_hit_mask(
     Ok(())
 }
 
-/// Writes the visibility of the central view.
-pub(crate) fn write_visibility(folder: &mut OutputFolder, visibility: &Array2<f32>) -> Result<(), Error> {
-    write_central(folder, VISIBILITY, visibility.view().insert_axis(Axis(2)))
-}
-
-/// Writes color as float maps: of the central view, and with `all` of all views.
-pub(crate) fn write_color(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, all: bool) -> Result<(), Error> {
-    write_views(folder, COLOR, color, all)
-}
-
-/// Writes the estimated error of color in the same way.
-pub(crate) fn write_error(folder: &mut OutputFolder, error: &LightFieldOwned<f32>, all: bool) -> Result<(), Error> {
-    write_views(folder, ERROR, error, all)
-}
-
-fn write_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwned<f32>, all: bool) -> Result<(), Error> {
+/// Writes a layer as float maps: of the central view, and with `all` of all views.
+pub(super) fn write_views(
+    folder: &mut OutputFolder,
+    name: &str,
+    field: &LightFieldOwned<f32>,
+    all: bool,
+) -> Result<(), Error> {
     write_central(folder, name, central_view(field)?)?;
     if all { write_all_views(folder, name, field) } else { Ok(()) }
 }
@@ -81,7 +72,8 @@ pub(crate) fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_
     Ok(field.view(t, s)?)
 }
 
-fn write_central(folder: &mut OutputFolder, name: &str, image: ArrayView3<f32>) -> Result<(), Error> {
+/// Writes a layer of the central view.
+pub(super) fn write_central(folder: &mut OutputFolder, name: &str, image: ArrayView3<f32>) -> Result<(), Error> {
     let file = format!("scene_{}.pfm", file_part(name));
     let written = write_pfm(folder.file(&file), image)?;
     folder.add(file, written);

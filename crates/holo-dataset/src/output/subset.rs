@@ -11,9 +11,6 @@ use super::folder::OutputFolder;
 use crate::Error;
 use crate::settings::{LayerChoice, Output, RenderSettings, RigSettings, ViewSubset};
 
-/// The folder of the views.
-const FOLDER: &str = "hci";
-
 /// Checks what else a render of some views may have.
 pub(crate) fn check(settings: &RenderSettings, rig: &RigSettings) -> Result<(), Error> {
     let Some(subset) = &rig.subset else { return Ok(()) };
@@ -56,9 +53,10 @@ pub(crate) fn write<T: Sample>(
     views: &[ViewIndex],
     parameters: &ParametersCfg,
 ) -> Result<(), Error> {
-    folder.subfolder(FOLDER)?;
+    folder.subfolder(dataset::HCI_FOLDER)?;
     let columns = parameters.num_cams.columns;
-    let name = |view: &ViewIndex| format!("{FOLDER}/{}", hci::view_file_name(view.row * columns + view.column));
+    let name =
+        |view: &ViewIndex| format!("{}/{}", dataset::HCI_FOLDER, hci::view_file_name(view.row * columns + view.column));
     let files: Vec<_> = views.iter().map(|view| (name(view), folder.file(&name(view)))).collect();
     let write_one = |(k, (_, path)): (usize, &(String, FolderFile))| {
         Ok(holo_io::write_png(path, coded.view(0, k)?, ColorEncoding::Srgb, Compression::Best)?)
@@ -67,7 +65,7 @@ pub(crate) fn write<T: Sample>(
     for ((name, _), written) in files.iter().zip(written) {
         folder.add(name.clone(), written);
     }
-    let name = format!("{FOLDER}/{}", dataset::PARAMETERS_CFG);
+    let name = format!("{}/{}", dataset::HCI_FOLDER, dataset::PARAMETERS_CFG);
     let written = parameters.write(folder.file(&name))?;
     folder.add(name, written);
     Ok(())

@@ -23,12 +23,12 @@ pub struct Preset {
 pub const PRESETS: &[Preset] = &[
     Preset {
         name: "draft",
-        help: "The soonest image: one pixel of 16 has a sample, and all share them",
+        help: "The fastest image: one pixel of 16 has a sample, and all share them",
         settings: &[("spp", "1/16"), ("denoise", "views")],
     },
     Preset {
         name: "clean",
-        help: "An error of about 2 %: samples where those that the views share leave more",
+        help: "An error of about 2 %: more samples where the estimated error is larger",
         settings: &[("denoise", "views"), ("target-error", "2%")],
     },
     Preset {

@@ -29,7 +29,7 @@ words!(Denoise:
 
 words!(Reuse:
     (Reuse::Off, "off", "No: the noise of every pixel is independent"),
-    (Reuse::Views, "views", "Between groups of 16 neighboring views, where noise stands still"),
+    (Reuse::Views, "views", "Between groups of 16 neighboring views, whose noise does not move with disparity"),
 );
 
 words!(TextureFilter:

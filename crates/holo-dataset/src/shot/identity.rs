@@ -84,7 +84,9 @@ fn not_for_stereo(denoise: Denoise, reuse: Reuse) -> Option<&'static str> {
         (Denoise::Views, _) => {
             Some("the noise that is left moves with the true disparity, because views share samples")
         }
-        (Denoise::Off, Reuse::Views) => Some("the noise stands still in groups of views, because they share light"),
+        (Denoise::Off, Reuse::Views) => {
+            Some("the noise of the views of a group is equal, as they share light, and does not move with disparity")
+        }
         (Denoise::Off, Reuse::Off) => None,
     }
 }
@@ -111,7 +113,7 @@ pub(super) fn describe(
     if let Camera::Plenoptic(file) = &settings.camera {
         set("camera-file", file.name.clone().into());
         if file.is_approximate {
-            set("approximate", "some numbers of the camera are not published, and guesses".into());
+            set("approximate", "the maker did not publish some values of the camera; they are estimates".into());
         }
     }
     describe_transport(transport, rendered.integrator, &mut set);

@@ -73,7 +73,7 @@ pub fn camera_warnings(file: &CameraFile) -> Vec<String> {
     let mut lines = Vec::new();
     if file.is_approximate {
         lines.push(format!(
-            "some numbers of the camera '{}' are not published, and guesses",
+            "the maker did not publish some values of the camera '{}'; they are estimates",
             holo_io::shown(&file.name)
         ));
     }

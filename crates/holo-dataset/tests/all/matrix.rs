@@ -165,7 +165,7 @@ fn noise_that_tells_a_disparity_is_stated() {
     let plain: fn(&mut RenderSettings) = |_| {};
     for (out, kind, change, words) in [
         ("plain", Kind::Rig, plain, None),
-        ("reuse", Kind::Rig, |settings: &mut RenderSettings| settings.light.reuse = Reuse::Views, Some("stands still")),
+        ("reuse", Kind::Rig, |settings: &mut RenderSettings| settings.light.reuse = Reuse::Views, Some("is equal")),
         (
             "denoise",
             Kind::Rig,

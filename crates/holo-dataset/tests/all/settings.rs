@@ -129,9 +129,13 @@ fn guide() -> String {
     let mut text = String::from(
         "# Settings\n\nEvery setting of a render, for the command line (`--views 20x20`), for a configuration file \
          (`views = \"20x20\"`) and for Python (`views=(20, 20)`, rows first; `_` for `-`, `tools` for `for`). A setting that is given replaces \
-         that of a configuration, that of a preset, and the default, in this order.\n\n| setting | value | default | \
-         meaning |\n|---|---|---|---|\n",
+         that of a configuration, that of a preset, and the default, in this order.\n\n",
     );
+    text += "```sh\nprintf 'views = 3\\nlenses = \"60x40\"\\nspp = 1\\n' > own.toml\n\
+             holo render garden.glb --config own.toml --disparity -1,1 --write el --out configured\n```\n\n\
+             ![Three images of a garden, the left one blurred](images/settings.png)\n\n\
+             *`--preset draft`, the default, `--preset clean`.*\n\n";
+    text += "| setting | value | default | meaning |\n|---|---|---|---|\n";
     for setting in table() {
         let value = match setting.kind() {
             Kind::Flag => "flag".to_owned(),

@@ -266,7 +266,10 @@ impl CameraFile {
         };
         line("name", toml_string(&self.name));
         if self.is_approximate {
-            line("approximate", "true # some numbers of this camera are not published, and guesses".into());
+            line(
+                "approximate",
+                "true # the maker did not publish some values of this camera; they are estimates".into(),
+            );
         }
         line("\n[sensor]\nsize_px", format!("[{}, {}]", sensor.size.columns, sensor.size.rows));
         line("pixel_um", format!("{:?}", um(sensor.pixel_m)));

@@ -6,6 +6,9 @@
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use crate::Error;
 
 thread_local! {
     static GUARDING: Cell<bool> = const { Cell::new(false) };
@@ -42,6 +45,15 @@ pub(crate) fn catch<T>(work: impl FnOnce() -> T) -> Result<T, String> {
         let text = payload.downcast_ref::<String>().map(String::as_str);
         text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no message").to_owned()
     })
+}
+
+/// Runs a decoder inside the panic guard: a panic means that the file of that format is broken.
+pub(crate) fn decoded<T>(
+    path: &Path,
+    format: &'static str,
+    work: impl FnOnce() -> Result<T, Error>,
+) -> Result<T, Error> {
+    catch(work).unwrap_or_else(|text| Err(Error::broken(path, format, format!("the decoder failed on it ({text})"))))
 }
 
 #[cfg(test)]

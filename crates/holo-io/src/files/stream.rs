@@ -1,6 +1,7 @@
-//! Sources and destinations that are not files of this crate: anything that reads or writes bytes.
+//! Sources and destinations of images: files that are read in order, and anything that reads or writes bytes.
 
-use std::io::Read;
+use std::fs::File;
+use std::io::{BufReader, Read};
 use std::path::Path;
 
 use crate::error::STREAM;
@@ -8,6 +9,12 @@ use crate::{Error, Limits};
 
 /// Bytes by which an encoded image may be longer than its samples: headers, tables, data that do not compress.
 const OVERHEAD_BYTES: u64 = 64 << 20;
+
+/// Opens a file that is read in order, in large pieces.
+pub(crate) fn open(path: &Path) -> Result<BufReader<File>, Error> {
+    let file = File::open(path).map_err(|source| Error::io("read", path, source))?;
+    Ok(BufReader::with_capacity(1 << 18, file))
+}
 
 /// Reads a source up to its end, for formats that need its length or read it in another order.
 pub(crate) fn read_to_end(source: impl Read, limits: Limits) -> Result<Vec<u8>, Error> {

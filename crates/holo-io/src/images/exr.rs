@@ -32,8 +32,7 @@ mod samples;
 mod stream;
 mod write;
 
-use std::fs::File;
-use std::io::{BufReader, Cursor, Read, Write};
+use std::io::{Cursor, Read, Write};
 use std::path::Path;
 
 use holo_core::GridSize;
@@ -41,7 +40,7 @@ use ndarray::{Array2, Array3, ArrayView2};
 
 use crate::error::STREAM;
 use crate::files::folder::Destination;
-use crate::files::stream::{read_to_end, write_bytes};
+use crate::files::stream::{open, read_to_end, write_bytes};
 use crate::{Error, FileDigest, Limits};
 
 pub use compress::ExrCompression;
@@ -270,9 +269,4 @@ pub fn decode_exr_rgb(source: impl Read, limits: &Limits) -> Result<Array3<f32>,
 pub fn read_exr_info(path: impl AsRef<Path>) -> Result<ExrInfo, Error> {
     let path = path.as_ref();
     read::info(open(path)?, path)
-}
-
-fn open(path: &Path) -> Result<BufReader<File>, Error> {
-    let file = File::open(path).map_err(|source| Error::io("read", path, source))?;
-    Ok(BufReader::with_capacity(1 << 18, file))
 }

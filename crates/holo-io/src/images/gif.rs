@@ -82,6 +82,18 @@ pub fn write_gif_animation<T: Sample>(
 }
 
 /// The sample in 8 bits.
-fn byte<T: Sample>(sample: T) -> u8 {
+pub(super) fn byte<T: Sample>(sample: T) -> u8 {
     (sample.to_f32() / T::WHITE.unwrap_or(1.0) * 255.0).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_become_bytes() {
+        assert_eq!([0, 128, 255].map(byte::<u8>), [0, 128, 255]);
+        assert_eq!([0, 257, 32_896, 65_535].map(byte::<u16>), [0, 1, 128, 255]);
+        assert_eq!([-1.0, 0.0, 0.5, 1.0, 9.0].map(byte::<f32>), [0, 0, 128, 255, 255]);
+    }
 }

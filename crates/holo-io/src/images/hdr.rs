@@ -19,7 +19,6 @@
 mod header;
 mod scanline;
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
@@ -27,6 +26,7 @@ use holo_core::GridSize;
 use ndarray::{Array3, Axis};
 
 use crate::error::STREAM;
+use crate::files::stream::open;
 use crate::{Error, Limits};
 use header::{Header, Major};
 
@@ -89,11 +89,6 @@ pub fn decode_hdr(source: impl Read, limits: &Limits) -> Result<Array3<f32>, Err
 pub fn read_hdr_info(path: impl AsRef<Path>) -> Result<HdrInfo, Error> {
     let path = path.as_ref();
     Ok(Header::read(&mut open(path)?, path)?.info())
-}
-
-fn open(path: &Path) -> Result<BufReader<File>, Error> {
-    let file = File::open(path).map_err(|source| Error::io("read", path, source))?;
-    Ok(BufReader::with_capacity(1 << 18, file))
 }
 
 fn decode(source: &mut impl BufRead, path: &Path, limits: Limits) -> Result<Array3<f32>, Error> {

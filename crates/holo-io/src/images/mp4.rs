@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 use holo_core::Sample;
 use ndarray::ArrayView3;
 
+use super::gif::byte;
 use crate::Error;
 use crate::files::atomic::AtomicPath;
 
@@ -78,21 +79,4 @@ pub fn write_mp4_animation<T: Sample>(
         return Err(failed(io::Error::other(format!("ffmpeg failed: {}", message.trim()))));
     }
     file.commit().map(drop)
-}
-
-/// The sample in 8 bits.
-fn byte<T: Sample>(sample: T) -> u8 {
-    (sample.to_f32() / T::WHITE.unwrap_or(1.0) * 255.0).round() as u8
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn samples_become_bytes() {
-        assert_eq!([0, 128, 255].map(byte::<u8>), [0, 128, 255]);
-        assert_eq!([0, 257, 32_896, 65_535].map(byte::<u16>), [0, 1, 128, 255]);
-        assert_eq!([-1.0, 0.0, 0.5, 1.0, 9.0].map(byte::<f32>), [0, 0, 128, 255, 255]);
-    }
 }

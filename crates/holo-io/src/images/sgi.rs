@@ -9,7 +9,7 @@ use image::{ImageDecoder, ImageError};
 use image_extras::sgi::SgiDecoder;
 use ndarray::Array3;
 
-use crate::files::panic_guard::catch;
+use crate::files::panic_guard::decoded;
 use crate::{Error, Limits};
 
 /// The name of the format in messages.
@@ -26,12 +26,12 @@ pub(crate) struct SgiInfo {
 
 /// Reads the header of an SGI image.
 pub(crate) fn read_sgi_info(path: &Path) -> Result<SgiInfo, Error> {
-    guarded(path, || open(path).map(|decoder| info(&decoder)))
+    decoded(path, FORMAT, || open(path).map(|decoder| info(&decoder)))
 }
 
 /// Reads an SGI image of 8 or 16 bits, gray or RGB, with or without alpha: `(rows, columns, channels)`.
 pub(crate) fn read_sgi(path: &Path, limits: &Limits) -> Result<DynImage, Error> {
-    guarded(path, || {
+    decoded(path, FORMAT, || {
         let decoder = open(path)?;
         let SgiInfo { size, channels, kind } = info(&decoder);
         let shape = (size.rows, size.columns, channels);
@@ -67,9 +67,4 @@ fn of_decoder(path: &Path, error: ImageError) -> Error {
         ImageError::IoError(why) if why.kind() != std::io::ErrorKind::UnexpectedEof => Error::io("read", path, why),
         other => Error::broken(path, FORMAT, other.to_string()),
     }
-}
-
-/// A panic of the decoder becomes an error.
-fn guarded<T>(path: &Path, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
-    catch(work).unwrap_or_else(|text| Err(Error::broken(path, FORMAT, format!("the decoder failed on it ({text})"))))
 }

@@ -142,5 +142,5 @@ pub(super) fn of_hdf5(path: &Path, _: &ReadOptions) -> Result<LightFieldReader, 
 
 /// The error for what another build could read.
 pub(super) fn needs_feature(path: &Path, feature: &str, what: &str) -> Error {
-    Error::unsupported(path, format!("this build does not have the feature `{feature}` and cannot read {what}"))
+    Error::unsupported(path, format!("this build cannot read {what}: build it with the feature `{feature}`"))
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use holo_core::GridSize;
 
+use crate::error::in_words;
 use crate::files::names::{TRANSFORMS_JSON, is_regular};
 use crate::records::dataset::PlenopticFolder;
 use crate::records::dataset::{self, DatasetEntry, DatasetFolder, MANIFEST_JSON, PARAMETERS_CFG, SequenceFolder};
@@ -205,7 +206,7 @@ impl fmt::Display for FileInfo {
             }
             Self::Hdr { size } => write!(f, "Radiance HDR image, {}", pixels(*size)),
             Self::ParametersCfg(parameters) => {
-                write!(f, "camera parameters of {}", grid(parameters.num_cams, parameters.image_resolution_px))
+                write!(f, "camera parameters of {}", in_words((parameters.num_cams, parameters.image_resolution_px)))
             }
             Self::Manifest(manifest) => {
                 write!(f, "manifest of {} file{}", manifest.files.len(), plural(manifest.files.len()))
@@ -220,7 +221,7 @@ impl fmt::Display for FileInfo {
             Self::DatasetFolder(folder) => {
                 let shape = folder.shape();
                 let nothing = if folder.representations().is_empty() { ", no light field" } else { "" };
-                write!(f, "dataset folder, {}{nothing}", grid(shape.views(), shape.lenses()))
+                write!(f, "dataset folder, {}{nothing}", in_words((shape.views(), shape.lenses())))
             }
             Self::PlenopticFolder(folder) => {
                 let camera = folder.camera();
@@ -242,7 +243,7 @@ impl fmt::Display for FileInfo {
             Self::Datasets(datasets) => write!(f, "folder of {} dataset{}", datasets.len(), plural(datasets.len())),
             Self::HciFolder(folder) => {
                 let shape = folder.shape();
-                write!(f, "HCI folder, {}", grid(shape.views(), shape.lenses()))
+                write!(f, "HCI folder, {}", in_words((shape.views(), shape.lenses())))
             }
             Self::GantryFolder(folder) => {
                 let views = folder.views();
@@ -280,10 +281,6 @@ fn name_of(format: FileFormat) -> String {
 
 fn pixels(size: GridSize) -> String {
     format!("{} x {} pixels", size.columns, size.rows)
-}
-
-fn grid(views: GridSize, lenses: GridSize) -> String {
-    format!("{} x {} views of {}", views.columns, views.rows, pixels(lenses))
 }
 
 /// The plural `s` of a word after this count.

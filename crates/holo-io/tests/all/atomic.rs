@@ -7,14 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Barrier;
 use std::time::{Duration, Instant};
 
+use crate::common::names;
 use holo_io::{AtomicFile, Error, Sha256, hash_file, remove_stale_temporary_files, write_file};
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> =
-        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
-}
 
 #[test]
 fn the_digest_is_that_of_the_standard() {

@@ -9,6 +9,7 @@ use std::process::{Command, Stdio};
 use std::sync::Barrier;
 use std::time::{Duration, Instant};
 
+use crate::common::names;
 use holo_core::{GridSize, LightFieldOwned, SampleKind};
 use holo_io::{
     ColorEncoding, Compression, Error, ExrChannel, ExrCompression, ExrSamples, ExrWriter, FileDigest, Limits,
@@ -112,13 +113,6 @@ fn reads(path: &Path) -> bool {
         Some("h5") => holo_io::Hdf5LightField::open(path, &Limits::default()).and_then(|file| file.read()).is_ok(),
         _ => read_exr(path, &Limits::default()).is_ok(),
     }
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> =
-        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
 }
 
 /// A small file system in memory; `None` without the right to mount one.

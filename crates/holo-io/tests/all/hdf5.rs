@@ -2,10 +2,9 @@
 #![cfg(feature = "hdf5")]
 
 use crate::python;
-use std::path::Path;
 use std::process::Command;
 
-use crate::common::data;
+use crate::common::{data, names};
 use crate::rigs::unequal_baselines as rig;
 use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, SampleKind};
 use holo_io::{Error, FileFormat, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, Limits, detect_format, write_hdf5};
@@ -14,13 +13,6 @@ use proptest::prelude::*;
 
 fn value((v, u, t, s, c): (usize, usize, usize, usize, usize)) -> f32 {
     (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as f32
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> =
-        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
 }
 
 proptest! {

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::common::{light_field, shape};
 use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape, Rig, ViewOrder};
 use holo_io::{
     ColorEncoding, Compression, Error, HciImage, HciTruth, LightFieldFormat, LightFieldReader, Limits, Manifest,
@@ -9,10 +10,6 @@ use holo_io::{
     write_pfm, write_png,
 };
 use ndarray::{Array2, Array3};
-
-fn shape() -> LightFieldShape {
-    LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap()
-}
 
 fn rig() -> Rig {
     Rig::builder(shape())
@@ -23,11 +20,6 @@ fn rig() -> Rig {
         .focus_distance_m(6.0)
         .build()
         .unwrap()
-}
-
-fn light_field() -> LightFieldOwned<u8> {
-    let raw = Array3::from_shape_fn((15, 28, 3), |(row, column, channel)| (row * 13 + column * 3 + channel) as u8);
-    LightField::from_elemental_grid(raw, shape()).unwrap()
 }
 
 fn parameters() -> ParametersCfg {

@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape, Rig};
+use crate::common::{light_field, shape};
+use holo_core::{DynLightField, GridSize, Layout, LightFieldOwned, LightFieldShape, Rig};
 use holo_io::dataset::{self, Representation};
 use holo_io::{
     CameraFile, ColorEncoding, Compression, Error, ExrChannel, HciImage, HciTruth, LightFieldFolder, LightFieldFormat,
@@ -11,10 +12,6 @@ use holo_io::{
     probe, read_light_field, read_rig, write_exr, write_mat_light_field, write_pfm, write_png,
 };
 use ndarray::{Array2, Array3, Axis};
-
-fn shape() -> LightFieldShape {
-    LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap()
-}
 
 fn rig() -> Rig {
     Rig::builder(shape())
@@ -26,13 +23,8 @@ fn rig() -> Rig {
         .unwrap()
 }
 
-fn codes() -> LightFieldOwned<u8> {
-    let raw = Array3::from_shape_fn((15, 28, 3), |(row, column, channel)| (row * 13 + column * 3 + channel) as u8);
-    LightField::from_elemental_grid(raw, shape()).unwrap()
-}
-
 fn floats() -> LightFieldOwned<f32> {
-    codes().map(|&code| f32::from(code) / 255.0).unwrap()
+    light_field().map(|&code| f32::from(code) / 255.0).unwrap()
 }
 
 /// Writes a light field in one representation; returns what is read of it.
@@ -41,7 +33,7 @@ fn write(folder: &Path, representation: Representation) -> DynLightField {
     let layout = representation.layout().unwrap_or(Layout::ElementalGrid);
     match representation {
         Representation::ElementalPng | Representation::ViewpointPng => {
-            let image = DynLightField::from(codes()).into_grid(layout).unwrap();
+            let image = DynLightField::from(light_field()).into_grid(layout).unwrap();
             write_png(&path, &image, ColorEncoding::Srgb, Compression::Fast).unwrap();
         }
         Representation::ElementalExr | Representation::ViewpointExr => {
@@ -54,11 +46,11 @@ fn write(folder: &Path, representation: Representation) -> DynLightField {
         }
         Representation::Mat => {
             let options = MatOptions::default();
-            write_mat_light_field(&path, &codes(), Some(&rig()), MatOrder::Lenses, &options).unwrap();
+            write_mat_light_field(&path, &light_field(), Some(&rig()), MatOrder::Lenses, &options).unwrap();
         }
         Representation::Hci => {
             fs::create_dir_all(&path).unwrap();
-            let field = DynLightField::from(codes());
+            let field = DynLightField::from(light_field());
             let image = HciImage {
                 views: Some((&field).into()),
                 parameters: &ParametersCfg::from_rig(&rig()),
@@ -75,7 +67,7 @@ fn write(folder: &Path, representation: Representation) -> DynLightField {
         }
         other => panic!("{other}"),
     }
-    codes().into()
+    light_field().into()
 }
 
 fn write_color(path: &Path, image: &Array3<f32>) {
@@ -240,10 +232,10 @@ fn own_images_are_no_views() {
     let Err(Error::MissingOption { option: "views", what, .. }) = open(path) else { panic!("views are not known") };
     assert!(what.contains("parameters.cfg"), "{what}");
     let given = read_light_field(path, &ReadOptions::default().views(GridSize::new(3, 4))).unwrap();
-    assert_eq!((given.light_field, given.rig), (codes().into(), None));
+    assert_eq!((given.light_field, given.rig), (light_field().into(), None));
 
     // Without parameters twelve images of other names are the views; with them the raw image is read.
-    for (index, (_, view)) in codes().views().enumerate() {
+    for (index, (_, view)) in light_field().views().enumerate() {
         write_png(path.join(format!("v{index}.png")), view, ColorEncoding::Srgb, Compression::Fast).unwrap();
     }
     let reader = LightFieldReader::open(path, &ReadOptions::default().views(GridSize::new(3, 4))).unwrap();
@@ -251,12 +243,12 @@ fn own_images_are_no_views() {
         (reader.format(), reader.representation()),
         (LightFieldFormat::ImageFolder, Some(Representation::Views))
     );
-    assert_eq!(reader.read().unwrap().light_field, codes().into());
+    assert_eq!(reader.read().unwrap().light_field, light_field().into());
     ParametersCfg::from_rig(&rig()).write(path.join(dataset::PARAMETERS_CFG)).unwrap();
     let reader = open(path).unwrap();
     assert_eq!((reader.representation(), reader.rig()), (Some(Representation::ElementalPng), Some(&rig())));
     assert_eq!(reader.raw_image(), Some(path.join(dataset::ELEMENTAL_PNG)));
-    assert_eq!(reader.read().unwrap().light_field, codes().into());
+    assert_eq!(reader.read().unwrap().light_field, light_field().into());
 }
 
 /// A square camera of 120 x 90 pixels.

@@ -213,8 +213,8 @@ const QUALITIES = {
 
 const qualityControls = () => {
   fields.quality = choice([
-    ['clean', 'clean: about 2 % of noise'],
-    ['draft', 'draft: the soonest image'],
+    ['clean', 'clean: about 2 % noise'],
+    ['draft', 'draft: fastest image'],
     ['plain', 'samples a pixel:'],
     ['reference', 'reference: 1024 samples'],
   ]);

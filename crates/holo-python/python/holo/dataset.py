@@ -7,7 +7,7 @@ import os
 import pathlib
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from typing import Any, overload
 
@@ -246,9 +246,6 @@ class Dataset(Sequence["Job"]):
 
     def __getitem__(self, index: int | slice) -> Job | list[Job]:
         return self.jobs[index]
-
-    def __iter__(self) -> Iterator[Job]:
-        return iter(self.jobs)
 
     def __repr__(self) -> str:
         what = "raw images" if self.jobs and all(job.views is None for job in self.jobs) else "light fields"

@@ -21,5 +21,10 @@ def read_image(path: str | os.PathLike) -> np.ndarray:
 
 def write_image(path: str | os.PathLike, image: np.ndarray) -> None:
     """Writes an image, axes (row, column) or (row, column, channel): uint8 and uint16 into PNG or TIFF, float32 into PFM."""
+    _holo.write_image(path, with_channel(image))
+
+
+def with_channel(image) -> np.ndarray:
+    """An image, axes (row, column) or (row, column, channel), with all three."""
     image = np.asarray(image)
-    _holo.write_image(path, image[..., None] if image.ndim == 2 else image)
+    return image[..., None] if image.ndim == 2 else image

@@ -12,6 +12,7 @@ import numpy as np
 from . import _holo
 from ._holo import Rig
 from .errors import HoloWarning, UsageError
+from .images import with_channel
 
 _AXES = "vutsc"
 _DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
@@ -88,14 +89,14 @@ class LightField:
     def from_elemental_grid(cls, image: np.ndarray, views: tuple[int, int], rig: Rig | None = None, **more) -> LightField:
         """The light field of a raw image: elemental images of `views` = (T, S) pixels side by side, axes (row, column[,
         channel]). Shares the memory of the image where numpy can."""
-        image, (t, s) = _channels(image), views
+        image, (t, s) = with_channel(image), views
         v, u = _whole(image, views)
         return cls(image.reshape(v, t, u, s, -1).transpose(0, 2, 1, 3, 4), rig, axes=_AXES, **more)
 
     @classmethod
     def from_viewpoint_grid(cls, image: np.ndarray, views: tuple[int, int], rig: Rig | None = None, **more) -> LightField:
         """The light field of (T, S) views side by side, axes (row, column[, channel])."""
-        image, (t, s) = _channels(image), views
+        image, (t, s) = with_channel(image), views
         v, u = _whole(image, views)
         return cls(image.reshape(t, v, s, u, -1).transpose(1, 3, 0, 2, 4), rig, axes=_AXES, **more)
 
@@ -414,11 +415,6 @@ def _in_order(array, axes):
             "t and s for those of the views, c for channels"
         )
     return array.transpose([axes.index(axis) for axis in _AXES if axis in axes])
-
-
-def _channels(image):
-    image = np.asarray(image)
-    return image[..., None] if image.ndim == 2 else image
 
 
 def _whole(image, views):

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _holo
 from ._holo import Rig
+from .images import with_channel
 
 
 class ImageScore(NamedTuple):
@@ -52,13 +53,8 @@ def compare(image: np.ndarray, reference: np.ndarray, *, data_range: float | Non
 
     data_range: the largest possible difference; by default that of the integers, 1 for floats.
     """
-    return ImageScore(*_holo.compare(_with_channel(image), _with_channel(reference), data_range))
+    return ImageScore(*_holo.compare(with_channel(image), with_channel(reference), data_range))
 
 
 def _map(values):
     return np.asarray(values, dtype=np.float32)
-
-
-def _with_channel(image):
-    image = np.asarray(image)
-    return image[..., None] if image.ndim == 2 else image

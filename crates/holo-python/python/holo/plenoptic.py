@@ -13,6 +13,7 @@ from . import _holo
 from ._holo import PlenopticCamera
 from ._options import tell
 from .errors import Error, UsageError
+from .images import with_channel
 from .light_field import LightField
 
 
@@ -151,7 +152,7 @@ def develop(
         "frames": frames,
         "dark": dark,
     }
-    codes, info = _holo.develop(image[..., None] if image.ndim == 2 else image, request)
+    codes, info = _holo.develop(with_channel(image), request)
     return (codes[..., 0] if codes.shape[2] == 1 else codes), info
 
 

@@ -6,7 +6,7 @@ import math
 import os
 import pathlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -69,10 +69,9 @@ class Light:
     intensity: tuple | float
     position: tuple = (0.0, 0.0, 0.0)
     direction: tuple = (0.0, -1.0, 0.0)
-    angles: tuple = field(default=(0.0, math.pi / 4))
 
     def _as_item(self):
-        numbers = {name: [float(x) for x in getattr(self, name)] for name in ("position", "direction", "angles")}
+        numbers = {name: [float(x) for x in getattr(self, name)] for name in ("position", "direction")}
         rgb = [float(x) for x in np.broadcast_to(np.asarray(self.intensity, dtype=float), 3)]
         return {"kind": self.kind, "intensity": rgb, **numbers}
 

@@ -1,12 +1,10 @@
 //! Rigs: where the views are, and what they see.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use holo_core::optics::{DepthRange, Optics};
 use holo_core::{Disparity, GridSize, Intrinsics, LightFieldShape, Projection};
 use holo_dataset::Camera;
-use holo_io::Limits;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 
@@ -223,10 +221,4 @@ pub fn planned_rig(
     let settings = options::settings(&options, None, Camera::default(), None)?;
     let rig = settings.camera.rig().cloned().unwrap_or_default();
     Ok(Rig(holo_dataset::planned_rig(&rig, lens_pitch_mm, depths)?))
-}
-
-/// The rig of a file or folder; None if there is none.
-#[pyfunction]
-pub fn read_rig(path: PathBuf) -> Result<Option<Rig>, Failure> {
-    Ok(holo_io::read_rig(path, &Limits::default())?.map(Rig))
 }

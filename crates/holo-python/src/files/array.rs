@@ -8,7 +8,7 @@ use holo_dataset::{
     ArrayViewpoint, Placement, Surface, correspondences, estimate_depth, jittered, synthesize_from_array,
     synthetic_aperture,
 };
-use holo_io::{ArrayFolder, Limits, WorldUp};
+use holo_io::{ArrayFolder, Limits};
 use ndarray::Array3;
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -58,12 +58,9 @@ pub fn place_cameras(request: PlacementRequest, out: PathBuf, up: &str) -> Resul
     let [position_m, rotation_rad, focal, gain, color, time_s] = request.jitter;
     let jitter = CameraJitter { position_m, rotation_rad, focal, gain, color, time_s };
     let array = jittered(meant, &jitter, request.seed)?;
-    array.write(&out, options::choice("transforms_up", up, WORLD_UPS)?)?;
+    array.write(&out, options::world_up(up)?)?;
     Ok(array.cameras.len())
 }
-
-/// Axes of the world that may point up.
-const WORLD_UPS: &[(&str, WorldUp)] = &[("z", WorldUp::Z), ("y", WorldUp::Y)];
 
 /// Where a view stands and what it looks at, and what is up in it.
 type Viewpoint = (Option<[f64; 3]>, Option<[f64; 3]>, Option<[f64; 3]>);
@@ -95,7 +92,7 @@ type Estimated<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<f32>>, usi
 impl CameraFolder {
     #[new]
     fn open(py: Python<'_>, folder: PathBuf, up: &str) -> Result<Self, Failure> {
-        let up = options::choice("transforms_up", up, WORLD_UPS)?;
+        let up = options::world_up(up)?;
         Ok(Self { array: py.detach(|| ArrayFolder::open(folder, up))? })
     }
 

@@ -22,8 +22,8 @@ pub(crate) struct Refined {
 /// Refines the hits of `packet`, whose exact rays are `rays`.
 ///
 /// # Accuracy
-/// A relative error of about 1e-15 * (distance of the triangle / distance along its normal): 1e-12 unless the ray is
-/// grazing.
+/// A relative error of about 1e-15 * (distance of the triangle / distance along its normal): below 1e-10 unless the ray
+/// is grazing.
 #[inline(always)]
 pub(crate) fn refine(geometry: &Geometry, packet: &RayHits, rays: &ExactRays) -> Refined {
     let triangles = &packet.hits.triangle;

@@ -57,11 +57,11 @@ impl Contents {
 /// The integrator for a scene, and the reason.
 pub(crate) fn choose(contents: &Contents, indirect: bool) -> (Integrator, String) {
     let lights = contents.lights();
-    let surfaces = if contents.glossy { "metal, glass or varnish" } else { "Lambertian surfaces" };
+    let surfaces = if contents.glossy { "metal, glass or dielectric coats" } else { "Lambertian surfaces" };
     if !contents.has_light() {
-        (Integrator::Depth, "nothing in the scene shines".into())
+        (Integrator::Depth, "the scene has no light sources".into())
     } else if contents.all_unlit {
-        (Integrator::Direct, "every surface shows its own colour".into())
+        (Integrator::Direct, "all surfaces are unlit: they show their own color".into())
     } else if indirect {
         (Integrator::Path, format!("{surfaces}, {lights}, light between surfaces"))
     } else if contents.glossy {
@@ -81,13 +81,13 @@ mod tests {
         let glossy = Contents { glossy: true, ..lit };
         let unlit = Contents { unlit: true, all_unlit: true, ..Contents::default() };
         for (contents, indirect, expected, why) in [
-            (Contents::default(), true, Integrator::Depth, "nothing"),
-            (Contents { glossy: true, ..Contents::default() }, true, Integrator::Depth, "nothing"),
+            (Contents::default(), true, Integrator::Depth, "no light sources"),
+            (Contents { glossy: true, ..Contents::default() }, true, Integrator::Depth, "no light sources"),
             (lit, true, Integrator::Path, "Lambertian surfaces, 2 punctual lights, a constant sky, light between"),
             (lit, false, Integrator::Direct, "no light between surfaces"),
             (glossy, true, Integrator::Path, "metal"),
             (glossy, false, Integrator::Path, "no light between matt surfaces"),
-            (unlit, true, Integrator::Direct, "own colour"),
+            (unlit, true, Integrator::Direct, "own color"),
             (Contents { emitters: true, ..Contents::default() }, false, Integrator::Direct, "emissive"),
             (
                 Contents { discs: 1, environment: true, ..Contents::default() },

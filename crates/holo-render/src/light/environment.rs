@@ -9,8 +9,8 @@
 //! angle in a row). The returned pdf is exactly that of the sampling.
 //!
 //! # Accuracy
-//! u and v have an error below 2e-7, which is 4e-3 texels in an image of 16384 columns. The rounding of directions to
-//! f32 adds a larger error near the poles.
+//! Of a direction in f32, in world coordinates, u and v have an error below 2e-7, which is 4e-3 texels in an image of
+//! 16384 columns. The rounding of directions to f32 adds a larger error near the poles.
 
 mod cells;
 #[cfg(test)]

@@ -7,7 +7,7 @@ use holo_core::{GridSize, LightFieldShape};
 use holo_scene::{Instance, Material, Mesh};
 
 use super::*;
-use crate::accel::Backend;
+use crate::accel::{Backend, embree};
 use crate::film::layers::Layer;
 use crate::geometry::Instancing;
 
@@ -91,7 +91,7 @@ fn points_move_with_their_instances_and_the_camera() {
         ([4096.0, -2048.0, 8192.0], Instancing::Never, Backend::Bvh),
         ([4096.0, -2048.0, 8192.0], Instancing::Always, Backend::Embree),
     ] {
-        if backend == Backend::Embree && Backend::find_embree().is_err() {
+        if backend == Backend::Embree && embree::Embree::available().is_err() {
             crate::peer::missing("Embree 4");
             continue;
         }

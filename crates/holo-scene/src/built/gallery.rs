@@ -156,7 +156,7 @@ pub fn purpose(name: &str) -> Option<&'static str> {
         "mirror" => "a mirror, metal and glaze before a papered wall",
         "clockwork" => "rough metals in many thin layers",
         "glasses" => "clear glass: refraction, total internal reflection",
-        "bottles" => "coloured thick glass before the light",
+        "bottles" => "colored thick glass before the light",
         "birdcage" => "thin structures and their shadows",
         "chess" => "soft and hard shadows over a pattern",
         "mountains" => "slanted and layered planes",

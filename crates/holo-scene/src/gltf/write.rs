@@ -13,6 +13,7 @@ use super::extensions::{self, LIGHTS};
 use super::placements::ANGULAR_DIAMETER;
 use crate::Error;
 use crate::animation::{Animation, Target};
+use crate::transform::{cross, normalize};
 use crate::{Camera, CameraProjection, Filter, Light, LightKind, Mesh, Scene, Texture, Transform, Wrap};
 
 /// The near plane of cameras, m, which glTF requires; the loader ignores it.
@@ -373,15 +374,6 @@ fn light_frame(kind: &LightKind) -> Transform {
     let largest = (0..3).fold(0, |best, k| if z[k].abs() > z[best].abs() { k } else { best });
     let mut across = [0.0; 3];
     across[(largest + 1) % 3] = 1.0;
-    let x = unit(cross(across, z));
+    let x = normalize(cross(across, z));
     Transform { columns: [x, cross(z, x), z], translation }
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn unit(v: [f64; 3]) -> [f64; 3] {
-    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    v.map(|x| x / length)
 }

@@ -27,10 +27,6 @@ const fitted = (mode) => {
 // A mode whose zoom was not changed follows the size of the window.
 const frame = () => (frames[state.mode] ??= fitted(state.mode));
 
-const forgetFrame = () => {
-  delete frames[state.mode];
-};
-
 // Device pixels of an event.
 const devicePosition = (event) => {
   const box = stage.getBoundingClientRect();

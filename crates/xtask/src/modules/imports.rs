@@ -27,13 +27,17 @@ struct Code {
 pub fn imports(source: &Path) -> Result<BTreeMap<File, BTreeSet<File>>> {
     let mut texts = BTreeMap::new();
     collect(source, &mut Vec::new(), &mut texts)?;
-    let files: BTreeMap<File, Code> = texts.iter().map(|(file, text)| (file.clone(), Code::of(text))).collect();
+    Ok(between(&texts.into_iter().map(|(file, text)| (file, Code::of(&text))).collect()))
+}
+
+/// What every file imports of the others.
+fn between(files: &BTreeMap<File, Code>) -> BTreeMap<File, BTreeSet<File>> {
     let of = |file: &File, code: &Code| {
         let paths = code.paths.iter().chain(code.names.iter().map(|(_, path)| path));
-        let found = paths.filter_map(|path| Some(resolve(&files, &absolute(&files, file, path)?, 0)));
+        let found = paths.filter_map(|path| Some(resolve(files, &absolute(files, file, path)?, 0)));
         found.filter(|other| other != file).collect()
     };
-    Ok(files.iter().map(|(file, code)| (file.clone(), of(file, code))).collect())
+    files.iter().map(|(file, code)| (file.clone(), of(file, code))).collect()
 }
 
 /// The texts of all files but tests.
@@ -277,15 +281,7 @@ mod tests {
 
     fn imports_of(texts: &[(&str, &str)], of: &str) -> Vec<String> {
         let files: BTreeMap<File, Code> = texts.iter().map(|(path, text)| (file(path), Code::of(text))).collect();
-        let code = &files[&file(of)];
-        let paths = code.paths.iter().chain(code.names.iter().map(|(_, path)| path));
-        let found = paths.filter_map(|path| Some(resolve(&files, &absolute(&files, &file(of), path)?, 0)));
-        found
-            .filter(|other| *other != file(of))
-            .map(|file| file.join("::"))
-            .collect::<BTreeSet<_>>()
-            .into_iter()
-            .collect()
+        between(&files)[&file(of)].iter().map(|file| file.join("::")).collect()
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::setup::pip::Availability;
 use crate::setup::{process, python};
-use crate::{Result, outside::renderers, release::dist, root, target};
+use crate::{Result, outside::renderers, program, release::dist, root, target};
 
 /// Writes the archive; with `--bundle` the program and Embree are in it; with `--test` runs the tests in Blender's module.
 ///
@@ -51,7 +51,7 @@ def add(folder, prefix, wanted):
                 entries.append((prefix + inside, path))
 add(source, '', lambda name: not name.endswith('.pyc'))
 if programs:
-    add(programs, 'bin/', lambda name: not name.endswith('.md'))
+    add(programs, 'bin/', lambda name: name not in ('README.md', 'CHANGELOG.md'))
 with zipfile.ZipFile(archive + '.part', 'w', zipfile.ZIP_DEFLATED) as out:
     for name, path in sorted(entries):
         entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
@@ -69,8 +69,9 @@ fn run_tests(archive: &Path, arguments: &[&str]) -> Result {
         return not_run(&why);
     }
     crate::build()?;
-    for (name, module) in [("blender_lts", renderers::blender_lts()?), ("blender", renderers::blender()?)] {
-        let Some((python, home)) = module else {
+    for requirements in [&renderers::BLENDER_LTS, &renderers::BLENDER] {
+        let name = requirements.name;
+        let Some((python, home)) = renderers::module(requirements)? else {
             return not_run("needs Python 3.11 and Blender's module for it");
         };
         println!("{name}:");
@@ -84,10 +85,9 @@ fn test_in(python: &str, home: PathBuf, archive: &Path, report: &Path, arguments
     let tests = root().join("integrations").join("blender").join("tests");
     // Blender's own version of numpy comes first.
     let path = std::env::join_paths([home, tests.clone(), python::packages()]).map_err(|why| why.to_string())?;
-    let program = target().join("release").join(if cfg!(windows) { "holo.exe" } else { "holo" });
     let mut pytest = Command::new(python.trim());
     pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).arg(tests).args(arguments);
-    pytest.env("PYTHONPATH", path).env("PYTHONDONTWRITEBYTECODE", "1").env("HOLO", program);
+    pytest.env("PYTHONPATH", path).env("PYTHONDONTWRITEBYTECODE", "1").env("HOLO", program(&target()));
     pytest.env("HOLOSCOPIC_ZIP", archive).env("HOLOSCOPIC_REPORT", report);
     process::run(&mut pytest)
 }

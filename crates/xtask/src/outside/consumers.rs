@@ -6,7 +6,7 @@ use std::process::Command;
 
 use crate::setup::pip::Availability;
 use crate::setup::{peers, process};
-use crate::{Result, build, root, target};
+use crate::{Result, build, program, root, target};
 
 /// Compares what the repositories below the first argument read; other arguments are those of `consumers.py`.
 ///
@@ -21,11 +21,8 @@ pub fn run(arguments: &[String]) -> Result {
         return Err(format!("the comparison needs Python packages: {why}"));
     }
     build()?;
-    let environment = peers::environment();
-    let installed = environment.iter().find(|(name, _)| *name == "HOLO_PYTHON").map(|(_, python)| python.clone());
-    let python = installed.or_else(|| std::env::var_os("HOLO_PYTHON")).unwrap_or_else(|| "python3".into());
-    let mut command = Command::new(python);
+    let mut command = Command::new(peers::python());
     command.arg(root().join("tests/peers/consumers.py")).arg(folder);
-    command.arg("--holo").arg(target().join("release").join(format!("holo{}", std::env::consts::EXE_SUFFIX)));
-    process::run(command.args(rest).envs(environment))
+    command.arg("--holo").arg(program(&target()));
+    process::run(command.args(rest).envs(peers::environment()))
 }

@@ -18,14 +18,14 @@ const MITSUBA: Requirements = Requirements {
 };
 
 /// The same for Blender.
-const BLENDER: Requirements = Requirements {
+pub(crate) const BLENDER: Requirements = Requirements {
     name: "blender",
     pythons: 11..=11,
     platforms: &[("linux", "x86_64"), ("macos", "aarch64"), ("windows", "x86_64")],
 };
 
 /// The oldest Blender that the extension supports.
-const BLENDER_LTS: Requirements = Requirements {
+pub(crate) const BLENDER_LTS: Requirements = Requirements {
     name: "blender_lts",
     pythons: 11..=11,
     platforms: &[("linux", "x86_64"), ("macos", "aarch64"), ("windows", "x86_64")],
@@ -59,26 +59,13 @@ fn folder() -> PathBuf {
     target().join("peers")
 }
 
-/// Fetches Blender's module, if this machine can have it; returns the Python that it is for and the folder for
+/// Fetches a renderer as a module, if this machine can have it; returns the Python that it is for and the folder for
 /// `PYTHONPATH`.
 ///
 /// # Errors
 ///
 /// If pip fails.
-pub fn blender() -> Result<Option<(String, PathBuf)>> {
-    module(&BLENDER)
-}
-
-/// The same for the oldest Blender that the extension supports.
-///
-/// # Errors
-///
-/// If pip fails.
-pub fn blender_lts() -> Result<Option<(String, PathBuf)>> {
-    module(&BLENDER_LTS)
-}
-
-fn module(requirements: &Requirements) -> Result<Option<(String, PathBuf)>> {
+pub(crate) fn module(requirements: &Requirements) -> Result<Option<(String, PathBuf)>> {
     let home = folder().join(requirements.name);
     if let Availability::Missing(why) = pip::install(requirements, &home)? {
         eprintln!("xtask: no {}: {why}", requirements.name);

@@ -57,5 +57,5 @@ fn build(tree: &Path) -> Result<PathBuf> {
     let own = if tree == root() { target() } else { tree.join("target") };
     cargo.current_dir(tree).env("CARGO_TARGET_DIR", &own).envs(crate::setup::cmake::environment());
     process::run(cargo.args(["build", "--release", "--quiet", "-p", "holo-cli"]).args(features()))?;
-    Ok(own.join("release").join(format!("holo{}", std::env::consts::EXE_SUFFIX)))
+    Ok(crate::program(&own))
 }

@@ -2,12 +2,11 @@
 //!
 //! The work is done by `wild/wild.py`; `wild/files.txt` lists files of public repositories by their hashes.
 
-use std::path::PathBuf;
 use std::process::Command;
 
 use crate::setup::pip::Availability;
 use crate::setup::{cargo, peers, process};
-use crate::{Result, outside::renderers, root, target};
+use crate::{Result, outside::renderers, program, root, target};
 
 /// Renders the files below the first argument; other arguments are those of `wild.py`.
 ///
@@ -24,28 +23,21 @@ pub fn run(arguments: &[String]) -> Result {
         return Err(format!("the table and the contact sheet need Python packages: {why}"));
     }
     cargo::run(&["build", "--release", "--quiet", "-p", "holo-cli"])?;
-    let environment = peers::environment();
-    let installed = environment.iter().find(|(name, _)| *name == "HOLO_PYTHON").map(|(_, python)| python.clone());
-    let python = installed.or_else(|| std::env::var_os("HOLO_PYTHON")).unwrap_or_else(|| "python3".into());
-    let mut command = Command::new(python);
+    let mut command = Command::new(peers::python());
     command.arg(root().join("crates/xtask/wild/wild.py")).arg(folder);
-    command.arg("--holo").arg(program()).arg("--out").arg(target().join("wild"));
+    command.arg("--holo").arg(program(&target())).arg("--out").arg(target().join("wild"));
     let (without, rest): (Vec<_>, Vec<_>) = rest.iter().partition(|argument| *argument == "--no-blender");
     // A module that the caller names needs no other.
     if without.is_empty() && !rest.iter().any(|argument| *argument == "--blender") {
-        match renderers::blender()? {
+        match renderers::module(&renderers::BLENDER)? {
             Some((python, folder)) => {
                 command.arg("--blender").arg(folder).arg("--blender-python").arg(python);
             }
             None => eprintln!("not run: the comparison with Cycles needs Blender's module, for Python 3.11"),
         }
     }
-    command.args(rest).envs(environment);
+    command.args(rest).envs(peers::environment());
     let outcome = process::run(&mut command);
     println!("{}", target().join("wild/results.md").display());
     outcome
-}
-
-fn program() -> PathBuf {
-    target().join("release").join(format!("holo{}", std::env::consts::EXE_SUFFIX))
 }

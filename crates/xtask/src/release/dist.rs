@@ -10,7 +10,7 @@ use std::process::Command;
 
 use crate::setup::pip::Availability;
 use crate::setup::{cargo, embree, process};
-use crate::{Result, features, release::licenses, root, target};
+use crate::{Result, features, program, release::licenses, root, target};
 
 /// What the binary may link dynamically on Linux: parts of glibc, and the unwinder of GCC.
 const ALLOWED: [&str; 8] = [
@@ -61,7 +61,7 @@ const BINARY: &str = if cfg!(windows) { "holo.exe" } else { "holo" };
 fn build() -> Result<PathBuf> {
     let arguments = [&["build", "--release", "-p", "holo-cli"], features()].concat();
     cargo::run_with(&arguments, vec![("CARGO_PROFILE_RELEASE_STRIP", "debuginfo".into())])?;
-    Ok(target().join("release").join(BINARY))
+    Ok(program(&target()))
 }
 
 /// Fills the folder that is packed.
@@ -79,7 +79,7 @@ fn fill(folder: &Path, binary: &Path, host: &str) -> Result {
         }
         Availability::Missing(why) => println!("the archive has no Embree: {why}"),
     }
-    licenses::write(folder, features().get(1..).unwrap_or_default(), host)
+    licenses::write(folder, ("holo-cli", features().get(1..).unwrap_or_default()), host, licenses::Embree::Inside)
 }
 
 fn copy(from: &Path, to: &Path) -> Result {

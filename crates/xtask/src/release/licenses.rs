@@ -1,4 +1,4 @@
-//! The licenses of everything that a release of `holo` contains: crates, the Rust standard library, Embree and oneTBB.
+//! The licenses of everything that a release of `holo` or its wheel contains: crates, the Rust standard library, Embree and oneTBB.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -39,16 +39,31 @@ enum Text {
     Of(&'static str),
 }
 
-/// Writes `THIRD-PARTY.md` and the folder `licenses` into `folder`.
+/// Where Embree and oneTBB lie.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Embree {
+    /// In the archive, if the system has them.
+    Inside,
+    /// In a package of others.
+    Outside,
+}
+
+/// Writes `THIRD-PARTY.md` and the folder `licenses` into `folder`, for what `package` links with its `features`.
 ///
 /// # Errors
 ///
 /// If a crate has no license text.
-pub fn write(folder: &Path, features: &[&str], target: &str) -> Result {
-    let mut components = crates(features, target)?;
+pub fn write(folder: &Path, (package, features): (&str, &[&str]), target: &str, embree: Embree) -> Result {
+    let mut components = crates(package, features, target)?;
     components.push(standard_library()?);
-    components.extend(embree_and_tbb()?);
-    let mut list = String::from(HEAD);
+    let libraries = if embree == Embree::Inside { embree_and_tbb()? } else { Vec::new() };
+    let head = if libraries.is_empty() {
+        ""
+    } else {
+        "The folder `embree` contains the libraries Embree and oneTBB, unchanged.\n"
+    };
+    components.extend(libraries);
+    let mut list = format!("{HEAD}{head}\n{TABLE}");
     for component in &components {
         let own = format!("{}-{}", component.name, component.version);
         let mut links = Vec::new();
@@ -63,10 +78,10 @@ pub fn write(folder: &Path, features: &[&str], target: &str) -> Result {
     write_file(&folder.join("THIRD-PARTY.md"), list.as_bytes())
 }
 
-const HEAD: &str = "# Software by others in this archive\n\n\
-    The program `holo` contains the Rust standard library and the crates of this list.\n\
-    The folder `embree` contains the libraries Embree and oneTBB, unchanged.\n\n\
-    | name | version | license | texts |\n|---|---|---|---|\n";
+const HEAD: &str = "# Software by others\n\n\
+    `holo` contains the Rust standard library and the crates of this list.\n";
+
+const TABLE: &str = "| name | version | license | texts |\n|---|---|---|---|\n";
 
 fn write_file(path: &Path, contents: &[u8]) -> Result {
     let folder = path.parent().unwrap_or(path);
@@ -78,16 +93,16 @@ fn read(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|why| format!("{}: {why}", path.display()))
 }
 
-/// All crates of other projects that are linked into `holo`, by name and version.
-fn crates(features: &[&str], target: &str) -> Result<Vec<Component>> {
+/// All crates of other projects that are linked into a package of this workspace, by name and version.
+fn crates(package: &str, features: &[&str], target: &str) -> Result<Vec<Component>> {
     let mut cargo = cargo::command();
     cargo.args(["metadata", "--format-version", "1", "--filter-platform", target]);
     if !features.is_empty() {
-        let features: Vec<String> = features.iter().map(|feature| format!("holo-cli/{feature}")).collect();
+        let features: Vec<String> = features.iter().map(|feature| format!("{package}/{feature}")).collect();
         cargo.arg("--features").arg(features.join(","));
     }
     let metadata: Value = serde_json::from_str(&process::output(&mut cargo)?).map_err(|why| why.to_string())?;
-    let linked = linked(&metadata)?;
+    let linked = linked(&metadata, package)?;
     let folder_of =
         |name: &str| linked.iter().find(|package| package["name"] == name).and_then(|package| package_folder(package));
     let mut components = Vec::new();
@@ -131,8 +146,8 @@ fn package_folder(package: &Value) -> Option<PathBuf> {
     Path::new(package["manifest_path"].as_str()?).parent().map(PathBuf::from)
 }
 
-/// The packages that `holo-cli` reaches by normal dependencies. Macro crates run in the compiler and are not linked.
-fn linked(metadata: &Value) -> Result<Vec<&Value>> {
+/// The packages that one reaches by normal dependencies. Macro crates run in the compiler and are not linked.
+fn linked<'a>(metadata: &'a Value, from: &str) -> Result<Vec<&'a Value>> {
     let list = |value: &'_ Value| value.as_array().cloned().unwrap_or_default();
     let packages = metadata["packages"].as_array().ok_or("cargo metadata lists no packages")?;
     let by_id: BTreeMap<&str, &Value> = packages.iter().filter_map(|p| Some((p["id"].as_str()?, p))).collect();
@@ -145,7 +160,8 @@ fn linked(metadata: &Value) -> Result<Vec<&Value>> {
     }
     let is_macro =
         |package: &Value| list(&package["targets"]).iter().any(|t| list(&t["kind"]).contains(&"proc-macro".into()));
-    let first = packages.iter().find(|package| package["name"] == "holo-cli").ok_or("there is no package holo-cli")?;
+    let first = packages.iter().find(|package| package["name"] == from);
+    let first = first.ok_or_else(|| format!("there is no package {from}"))?;
     let mut open: Vec<String> = vec![first["id"].as_str().unwrap_or_default().to_owned()];
     let mut seen = BTreeSet::new();
     let mut linked = Vec::new();
@@ -247,7 +263,7 @@ mod tests {
 
     #[test]
     fn every_linked_crate_has_the_text_of_its_license() {
-        let crates = crates(&["hdf5"], "x86_64-unknown-linux-gnu").expect("a text of every crate");
+        let crates = crates("holo-cli", &["hdf5"], "x86_64-unknown-linux-gnu").expect("a text of every crate");
         assert!(crates.len() > 100, "{}", crates.len());
     }
 
@@ -271,7 +287,8 @@ mod tests {
                 { "id": "2", "deps": [{ "pkg": "3", "dep_kinds": [{ "kind": null }] }] },
             ] },
         });
-        let names: Vec<_> = linked(&metadata).unwrap().iter().map(|package| package["name"].clone()).collect();
+        let names: Vec<_> =
+            linked(&metadata, "holo-cli").unwrap().iter().map(|package| package["name"].clone()).collect();
         assert_eq!(names, ["holo-cli", "used"]);
     }
 

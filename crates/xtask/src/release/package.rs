@@ -1,23 +1,32 @@
-//! Packages as `cargo add` gets them: each library is packed, unpacked and checked from its package alone.
+//! Packages as `cargo add` gets them: each is packed, unpacked and checked from its package alone.
 
 use crate::Result;
 use crate::setup::{cargo, process};
 use std::process::Command;
 
-/// Every package that is published and builds alone.
-const LIBRARIES: [&str; 8] =
-    ["holo-core", "holo-scene", "holo-render", "holo-io", "holo-dataset", "holo-viewer", "holo-preview", "holoscopic"];
+/// The libraries and the program, in the order in which they can be published: each after those that it needs.
+pub const PACKAGES: [&str; 9] = [
+    "holo-core",
+    "holo-scene",
+    "holo-render",
+    "holo-io",
+    "holo-dataset",
+    "holo-viewer",
+    "holo-preview",
+    "holoscopic",
+    "holo-cli",
+];
 
 /// The direct dependencies of `holo-core`.
 const CORE_NEEDS: &[&str] = &["ndarray", "rayon"];
 
-/// Packs and builds the libraries; checks the licenses in all packages and the dependencies of `holo-core`.
+/// Packs and checks the packages; checks the licenses in all packages and the dependencies of `holo-core`.
 pub fn run() -> Result {
     let mut arguments = vec!["package", "--quiet", "--allow-dirty", "--no-verify"];
-    arguments.extend(LIBRARIES.iter().flat_map(|name| ["-p", name]));
+    arguments.extend(PACKAGES.iter().flat_map(|name| ["-p", name]));
     cargo::run(&arguments)?;
     check_unpacked()?;
-    for name in LIBRARIES.iter().chain(&[PROGRAM]) {
+    for name in PACKAGES {
         has_licenses(name)?;
     }
     let tree = ["tree", "-p", "holo-core", "--edges", "normal", "--depth", "1", "--prefix", "none", "--format", "{p}"];
@@ -28,14 +37,11 @@ pub fn run() -> Result {
     }
     println!(
         "{} packages compile from what they contain; holo-core depends on {} alone",
-        LIBRARIES.len(),
+        PACKAGES.len(),
         needs.join(" and ")
     );
     Ok(())
 }
-
-/// The package of the program; published, too.
-const PROGRAM: &str = "holo-cli";
 
 /// Whether a package contains its readme and both licenses.
 fn has_licenses(name: &str) -> Result {
@@ -56,7 +62,7 @@ for member in members:
     member.mtime = time.time()
 archive.extractall(sys.argv[2], members)";
 
-/// Checks the packages in a workspace of their own, in which the libraries are each other's and everything else is as in
+/// Checks the packages in a workspace of their own, in which they are each other's and everything else is as in
 /// this one: what clippy has checked is not checked again.
 fn check_unpacked() -> Result {
     let version = env!("CARGO_PKG_VERSION");
@@ -67,14 +73,14 @@ fn check_unpacked() -> Result {
         std::fs::remove_dir_all(&place).map_err(failed)?;
     }
     std::fs::create_dir_all(&place).map_err(failed)?;
-    for name in LIBRARIES {
+    for name in PACKAGES {
         let archive = packed.join(format!("{name}-{version}.crate"));
         process::run(Command::new(process::python()?).args(["-c", UNPACK]).arg(archive).arg(&place))?;
     }
     let whole = std::fs::read_to_string(crate::root().join("Cargo.toml")).map_err(failed)?;
     let (from, to) = (whole.find("[profile.dev]"), whole.find("[profile.release]"));
     let profiles = from.zip(to).and_then(|(from, to)| whole.get(from..to)).unwrap_or_default();
-    let folders = LIBRARIES.map(|name| (name, format!("{name}-{version}")));
+    let folders = PACKAGES.map(|name| (name, format!("{name}-{version}")));
     let members = folders.each_ref().map(|(_, folder)| format!("\"{folder}\"")).join(", ");
     let patches = folders.map(|(name, folder)| format!("{name} = {{ path = \"{folder}\" }}\n")).concat();
     let manifest =

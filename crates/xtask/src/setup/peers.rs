@@ -31,6 +31,12 @@ pub fn environment() -> Vec<(&'static str, OsString)> {
     vec![("HOLO_PYTHON", python.into()), ("PYTHONPATH", folder().into_os_string())]
 }
 
+/// The user's `HOLO_PYTHON`, or the Python that these packages were installed for, or `python3`.
+pub fn python() -> OsString {
+    let installed = || pip::installed(&REQUIREMENTS, &folder()).map(OsString::from);
+    std::env::var_os("HOLO_PYTHON").or_else(installed).unwrap_or_else(|| "python3".into())
+}
+
 fn folder() -> PathBuf {
     target().join("python")
 }

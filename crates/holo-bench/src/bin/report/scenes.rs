@@ -1,6 +1,7 @@
 //! Gallery scenes with their rigs, and a description of the machine.
 
 use std::num::NonZeroUsize;
+use std::process::Command;
 
 use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_render::{Backend, Baseline, Framing, Integrator, Renderer};
@@ -56,18 +57,23 @@ pub fn backend_name(backend: Backend) -> &'static str {
     }
 }
 
-/// Processor, threads and backend of this machine, and how times are given.
+/// Processor, threads and backend of this machine, and the version and commit of this program.
 pub fn machine() -> String {
     let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = cpu.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(": an unknown processor");
-    let avx512 = if cpu.contains(" avx512f ") { " with AVX-512" } else { "" };
+    let sets = [(" avx512f ", " with AVX-512"), (" avx2 ", " with AVX2")];
+    let set = sets.into_iter().find(|(flag, _)| cpu.contains(flag)).map_or("", |(_, name)| name);
+    let mut git = Command::new("git");
+    let git = git.args(["describe", "--always", "--dirty"]).current_dir(env!("CARGO_MANIFEST_DIR"));
+    let commit = git.output().ok().and_then(|output| String::from_utf8(output.stdout).ok()).unwrap_or_default();
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let engine = Renderer::new(&Scene::default(), &Transform::IDENTITY, Backend::Auto, NonZeroUsize::new(1));
     let engine = engine.map_or_else(|error| error.to_string(), |renderer| renderer.engine_name().to_owned());
     format!(
-        "Machine: {}{avx512}, {threads} threads; {engine}; holo {}.",
+        "Machine: {}{set}, {threads} threads; {engine}; holo {}, commit {}.",
         model.trim_start_matches([' ', '\t', ':']),
-        env!("CARGO_PKG_VERSION")
+        env!("CARGO_PKG_VERSION"),
+        commit.trim()
     )
 }
 

@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use holo_bench::memory_bytes;
+
 /// Rows of cells under headings.
 pub struct Table {
     headings: Vec<&'static str>,
@@ -104,9 +106,9 @@ pub fn timed<T>(rounds: usize, mut work: impl FnMut() -> T) -> (Seconds, T) {
 /// Runs `work` and returns by how many bytes the peak memory rose (`None` where the system cannot measure it).
 pub fn peak_bytes<T>(work: impl FnOnce() -> T) -> (Option<u64>, T) {
     let reset = reset_peak();
-    let before = status("VmRSS:");
+    let before = memory_bytes("VmRSS:");
     let made = work();
-    let peak = status("VmHWM:").zip(before).map(|(peak, before)| peak.saturating_sub(before));
+    let peak = memory_bytes("VmHWM:").zip(before).map(|(peak, before)| peak.saturating_sub(before));
     (peak.filter(|_| reset), made)
 }
 
@@ -117,13 +119,7 @@ pub fn reset_peak() -> bool {
 
 /// The peak memory of this process since its start or the last reset, bytes.
 pub fn peak_of_process() -> Option<u64> {
-    status("VmHWM:")
-}
-
-fn status(key: &str) -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
-    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+    memory_bytes("VmHWM:")
 }
 
 /// A number with three significant digits, in scientific notation below 1e-3.

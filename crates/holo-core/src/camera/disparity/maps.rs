@@ -36,11 +36,6 @@ impl Disparity {
         depth_m.mapv(|depth| T::from_f64(self.from_depth_m(depth.to_f64())))
     }
 
-    /// Replaces every depth of a map by its disparity; [`Disparity::map_from_depth_m`] in place.
-    pub fn map_from_depth_m_inplace<T: Real, D: Dimension>(&self, depth_m: &mut ArrayRef<T, D>) {
-        depth_m.mapv_inplace(|depth| T::from_f64(self.from_depth_m(depth.to_f64())));
-    }
-
     /// Returns the depth of every disparity of a map, in meters.
     ///
     /// # Shape
@@ -58,20 +53,6 @@ impl Disparity {
     pub fn map_to_depth_m<T: Real, D: Dimension>(&self, disparity_px: &ArrayRef<T, D>) -> Result<Array<T, D>, Error> {
         let to_depth_m = self.depth_function()?;
         Ok(disparity_px.mapv(to_depth_m))
-    }
-
-    /// Replaces every disparity of a map by its depth; [`Disparity::map_to_depth_m`] in place.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NoBaseline`] if the views coincide; the map is then unchanged.
-    pub fn map_to_depth_m_inplace<T: Real, D: Dimension>(
-        &self,
-        disparity_px: &mut ArrayRef<T, D>,
-    ) -> Result<(), Error> {
-        let to_depth_m = self.depth_function()?;
-        disparity_px.mapv_inplace(to_depth_m);
-        Ok(())
     }
 
     fn depth_function<T: Real>(&self) -> Result<impl Fn(T) -> T, Error> {

@@ -22,7 +22,7 @@ impl Prescription {
     /// # Source
     ///
     /// Welford, "Aberrations of optical systems" (1986), ch. 3: rays near the axis.
-    pub fn focused_by(&self, group: RangeInclusive<usize>, depth_m: f64) -> Result<Self, Error> {
+    pub(crate) fn focused_by(&self, group: RangeInclusive<usize>, depth_m: f64) -> Result<Self, Error> {
         let (first, last, count) = (*group.start(), *group.end(), self.surfaces.len());
         if first > last || last >= count || last - first + 1 == count {
             let (what, value) = ("number of lens surfaces that focus", (last + 1).saturating_sub(first) as f64);

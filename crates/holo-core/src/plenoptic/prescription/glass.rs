@@ -32,7 +32,7 @@ impl Medium {
     ///
     /// # Source
     ///
-    /// With an Abbe number: Cauchy's n = A + B / wavelength^2 through nd and nF - nC = (nd - 1) / vd, within 1e-3 of usual
+    /// With an Abbe number: Cauchy's n = A + B / wavelength^2 through nd and nF - nC = (nd - 1) / vd, within 3e-3 of usual
     /// glasses between 450 and 700 nm. A glass of the table: Sellmeier's equation of its maker.
     #[must_use]
     pub fn index(&self, wavelength_nm: f64) -> f64 {

@@ -113,13 +113,13 @@ impl Paraxial {
 
     /// Returns the distance from the rear principal plane to the exit pupil, towards the sensor, in meters.
     #[must_use]
-    pub fn exit_pupil_from_principal_m(&self) -> f64 {
+    pub(crate) fn exit_pupil_from_principal_m(&self) -> f64 {
         self.exit_pupil_m - self.rear_principal_m
     }
 
     /// Returns the distance from the front principal plane to the entrance pupil, towards the scene, in meters.
     #[must_use]
-    pub fn entrance_pupil_from_principal_m(&self) -> f64 {
+    pub(crate) fn entrance_pupil_from_principal_m(&self) -> f64 {
         self.front_principal_m - self.entrance_pupil_m
     }
 }

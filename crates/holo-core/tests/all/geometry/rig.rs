@@ -184,16 +184,6 @@ fn rows_and_columns_round_trip_through_slopes() {
 }
 
 #[test]
-fn ray_length_follows_from_depth() {
-    let rig = rig((3, 3), (4, 4), 4.0, Projection::Perspective);
-    let ray = rig.ray(0, 0, 1, 1, 0.5, 0.5);
-    let [x, y, z] = ray.at_depth_m(7.0);
-    let length_m = (x * x + y * y + z * z).sqrt();
-    assert!(near(ray.length_per_depth() * 7.0, length_m, 1e-14));
-    assert!(ray.length_per_depth() > 1.0);
-}
-
-#[test]
 fn impossible_rigs_are_errors() {
     let good = rig((3, 3), (4, 4), 4.0, Projection::Perspective);
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0] {

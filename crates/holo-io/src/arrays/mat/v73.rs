@@ -12,6 +12,7 @@ use ::hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
 use ndarray::{ArrayD, ArrayViewD, Axis, IxDyn, ShapeBuilder};
 
 use super::order::Plan;
+use super::v5::write::header_of;
 use super::value::{Element, for_each_array};
 use super::{MatArray, MatClass, MatInfo, MatValue, MatVariable, unreadable};
 use crate::arrays::hdf5::{Failure, check_chunk, check_values, create, find, members, open, read_text};
@@ -36,11 +37,7 @@ const EMPTY: &str = "MATLAB_empty";
 const DECODE: &str = "MATLAB_int_decode";
 
 fn header() -> Vec<u8> {
-    let mut bytes = TEXT.as_bytes().to_vec();
-    bytes.resize(116, b' ');
-    bytes.resize(124, 0);
-    bytes.extend(0x0200_u16.to_le_bytes());
-    bytes.extend(b"IM");
+    let mut bytes = header_of(TEXT, 0x0200);
     bytes.resize(BLOCK_BYTES, 0);
     bytes
 }

@@ -24,15 +24,6 @@ pub enum ExrSamples {
 }
 
 impl ExrSamples {
-    /// Returns the format that Blender chooses for a channel of a file of 16-bit floats: `Half` for color (the
-    /// components R, G, B and A), `Float` for everything else, such as depth, normals, identifiers and Cryptomatte.
-    #[must_use]
-    pub fn half_for_color(channel: &str) -> Self {
-        let (_, component) = names::split(channel);
-        // Cryptomatte's components are r, g, b and a.
-        if ["R", "G", "B", "A"].contains(&component) { Self::Half } else { Self::Float }
-    }
-
     /// Whether a channel of this name contains identifiers, by Blender's names for those of objects, materials and
     /// Cryptomatte.
     #[must_use]
@@ -142,20 +133,18 @@ mod tests {
     }
 
     #[test]
-    fn half_is_for_color_and_never_for_identifiers() {
-        use ExrSamples::{Float, Half};
-        for (name, samples, identifier) in [
-            ("ViewLayer.Combined.R", Half, false),
-            ("A", Half, false),
-            ("ViewLayer.Depth.Z", Float, false),
-            ("ViewLayer.Normal.X", Float, false),
-            ("ViewLayer.IndexOB.X", Float, true),
-            ("ViewLayer.Object Index.X", Float, true),
-            ("IndexMA.X", Float, true),
-            ("id", Float, true),
-            ("ViewLayer.CryptoObject00.r", Float, true),
+    fn identifiers_are_told_by_their_names() {
+        for (name, identifier) in [
+            ("ViewLayer.Combined.R", false),
+            ("A", false),
+            ("ViewLayer.Depth.Z", false),
+            ("ViewLayer.Normal.X", false),
+            ("ViewLayer.IndexOB.X", true),
+            ("ViewLayer.Object Index.X", true),
+            ("IndexMA.X", true),
+            ("id", true),
+            ("ViewLayer.CryptoObject00.r", true),
         ] {
-            assert_eq!(ExrSamples::half_for_color(name), samples, "{name}");
             assert_eq!(ExrSamples::is_identifier(name), identifier, "{name}");
         }
     }

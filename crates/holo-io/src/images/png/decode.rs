@@ -1,7 +1,6 @@
 //! Decodes any PNG to samples of 8 or 16 bits.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Cursor, Read, Seek};
+use std::io::{BufRead, Cursor, Read, Seek};
 use std::path::Path;
 
 use holo_core::{ColorEncoding, DynImage, GridSize};
@@ -9,7 +8,7 @@ use ndarray::Array3;
 
 use super::PngInfo;
 use crate::error::STREAM;
-use crate::files::stream::read_to_end;
+use crate::files::stream::{open, read_to_end};
 use crate::{Error, Limits};
 
 /// Range of the memory limit of the decoder for rows and headers, in bytes, in addition to the image.
@@ -49,11 +48,6 @@ pub fn decode_png(source: impl Read, limits: &Limits) -> Result<DynImage, Error>
 pub fn read_png_info(path: impl AsRef<Path>) -> Result<PngInfo, Error> {
     let path = path.as_ref();
     start(open(path)?, path, Limits::NONE).map(|(_, info)| info)
-}
-
-fn open(path: &Path) -> Result<BufReader<File>, Error> {
-    let file = File::open(path).map_err(|source| Error::io("read", path, source))?;
-    Ok(BufReader::with_capacity(1 << 18, file))
 }
 
 /// Reads up to the pixels.

@@ -12,7 +12,7 @@ use tiff::{ColorType, TiffError};
 
 use super::{FORMAT, TiffInfo};
 use crate::error::STREAM;
-use crate::files::panic_guard::catch;
+use crate::files::panic_guard::decoded;
 use crate::files::stream::read_to_end;
 use crate::{Error, Limits};
 
@@ -53,20 +53,15 @@ pub fn decode_tiff(source: impl Read, limits: &Limits) -> Result<DynImage, Error
 /// Those of [`read_tiff`], but for the limits.
 pub fn read_tiff_info(path: impl AsRef<Path>) -> Result<TiffInfo, Error> {
     let path = path.as_ref();
-    guarded(path, || start(open(path)?, path, Limits::default()).map(|(_, info)| info))
+    decoded(path, FORMAT, || start(open(path)?, path, Limits::default()).map(|(_, info)| info))
 }
 
 fn open(path: &Path) -> Result<BufReader<File>, Error> {
     File::open(path).map(BufReader::new).map_err(|error| Error::io("read", path, error))
 }
 
-/// A panic of the decoder becomes an error.
-fn guarded<T>(path: &Path, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
-    catch(work).unwrap_or_else(|text| Err(Error::broken(path, FORMAT, format!("the decoder failed on it ({text})"))))
-}
-
 fn decode<R: Read + Seek>(source: R, path: &Path, limits: Limits) -> Result<DynImage, Error> {
-    guarded(path, || {
+    decoded(path, FORMAT, || {
         let (mut decoder, info) = start(source, path, limits)?;
         let shape = (info.size.rows, info.size.columns, info.channels);
         limits.elements(path, "image", &[shape.0, shape.1, shape.2], info.kind.bytes())?;

@@ -174,7 +174,7 @@ fn sections_of_frame<'a>(path: &Path, bytes: &'a [u8]) -> Result<[&'a [u8]; 2], 
         let name = frame.and_then(|frame| frame[key].as_str());
         sections.iter().find(|(_, own, _)| Some(own.as_str()) == name).map(|(.., data)| *data)
     };
-    let what = "it has no raw image: a file of refocused images is none";
+    let what = "it has no raw image, only refocused images";
     let unsupported = || Error::unsupported(path, what);
     Ok([section("imageRef").ok_or_else(unsupported)?, section("metadataRef").ok_or_else(unsupported)?])
 }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::folder::files;
 use super::names::Name;
 use super::{HciQuantity, HciResolution};
+use crate::error::in_words;
 use crate::files::folder::{Destination, Folder, FolderFile};
 use crate::files::names::PARAMETERS_CFG;
 use crate::{ColorEncoding, Compression, Error, FileDigest, ParametersCfg, write_pfm, write_png};
@@ -143,8 +144,8 @@ impl<'a> HciImage<'a> {
         if let Some(images) = self.views.map(|images| images.shape()).filter(|images| *images != shape) {
             return bad(format!(
                 "the parameters specify {}, the images are {}",
-                in_words(views, lenses),
-                in_words(images.views(), images.lenses())
+                in_words((views, lenses)),
+                in_words((images.views(), images.lenses()))
             ));
         }
         if let Some(HciHighResolution { disparity_px, depth_m }) = self.high_resolution {
@@ -172,9 +173,9 @@ impl<'a> HciImage<'a> {
                 HciTruth::All(maps) if maps.shape() != shape || maps.channels() != 1 => {
                     return bad(format!(
                         "the {quantity} is {} with {} channels, the images are {}; a map has 1 channel",
-                        in_words(maps.shape().views(), maps.shape().lenses()),
+                        in_words((maps.shape().views(), maps.shape().lenses())),
                         maps.channels(),
-                        in_words(views, lenses)
+                        in_words((views, lenses))
                     ));
                 }
                 _ => {}
@@ -234,8 +235,4 @@ fn at(path: &Path, error: Error) -> Error {
         Error::BadInput { what, .. } => Error::bad_input(path, what),
         other => other,
     }
-}
-
-fn in_words(views: GridSize, pixels: GridSize) -> String {
-    format!("{} x {} views of {} x {} pixels", views.columns, views.rows, pixels.columns, pixels.rows)
 }

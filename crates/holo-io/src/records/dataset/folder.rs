@@ -9,6 +9,7 @@ use super::{
     DEPTH_PFM, DISPARITY_PFM, ELEMENTAL_PNG, HCI_FOLDER, MANIFEST_JSON, PARAMETERS_CFG, Representation, VIEWPOINT_PNG,
     layer_of_view,
 };
+use crate::error::in_words;
 use crate::files::folder::Folder;
 use crate::{
     Error, Limits, Manifest, ParametersCfg, files::names::hci_view_number, read_pfm_gray, read_png, read_png_info,
@@ -267,8 +268,4 @@ fn open(path: &Path) -> Result<Folder, Error> {
         Error::Io { error, .. } => Error::io("read", &path.join(MANIFEST_JSON), error),
         other => other,
     })
-}
-
-fn in_words((views, pixels): (GridSize, GridSize)) -> String {
-    format!("{} x {} views of {} x {} pixels", views.columns, views.rows, pixels.columns, pixels.rows)
 }

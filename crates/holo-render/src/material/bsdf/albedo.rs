@@ -14,11 +14,11 @@
 //! W, R and k are tabulated over the cosine z (64 nodes) and alpha (32 nodes) and interpolated bilinearly. With a the
 //! alpha, both change within a few a of grazing incidence, so the first coordinate is sqrt(z (1 + a) / (z + a)); the
 //! second is the fourth root of a. The nodes are integrals over the visible microfacet normals, by a Fibonacci lattice
-//! of 1597 points with an error below 1e-4. They use only basic arithmetic and square roots, so the table is bitwise
-//! identical on all machines. It is computed once, at first use.
+//! of 1597 points. They use only basic arithmetic and square roots, so the table is bitwise identical on all machines.
+//! It is computed once, at first use.
 //!
 //! # Accuracy
-//! E for f90 = 1 and any f0 has an error of at most 1e-3 over all directions and alphas; its mean has half of that. The
+//! E for f90 = 1 and any f0 has an error of at most 1e-3 over all directions and alphas, and so has its mean. The
 //! albedo of the lobe times k k is 1 within 3e-3.
 
 use std::sync::OnceLock;

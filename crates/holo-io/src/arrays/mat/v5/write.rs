@@ -15,11 +15,16 @@ const TEXT: &str = "MATLAB 5.0 MAT-file, written by holo";
 
 /// The header of the file.
 pub(in crate::arrays::mat) fn header() -> Vec<u8> {
-    let mut bytes = TEXT.as_bytes().to_vec();
+    header_of(TEXT, VERSION)
+}
+
+/// The header of a file of any version since 5, with its text.
+pub(in crate::arrays::mat) fn header_of(text: &str, version: u16) -> Vec<u8> {
+    let mut bytes = text.as_bytes().to_vec();
     bytes.resize(116, b' ');
     // No subsystem data.
     bytes.resize(124, 0);
-    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend(version.to_le_bytes());
     bytes.extend(b"IM");
     debug_assert_eq!(bytes.len(), HEADER_BYTES);
     bytes
