@@ -71,7 +71,6 @@ LARGE = "--views 100x100"
 INPUTS = {
     "small": f"render garden.glb {SMALL} --spp 4 --denoise views --write el,vpi,h5,hci,disparity --out {{own}}/small",
     "8k": f"render garden.glb {LARGE} --integrator direct --spp 1 --write el,h5,disparity --out {{own}}/8k",
-    "raw": "render garden.glb --camera-file lytro-illum --integrator direct --spp 1 --write raw --out {own}/raw",
     "dataset": "dataset --scenes plaster,mountains --views 3,5 --sensor 120x80 --spp 1 --write el,h5,disparity,depth "
                "--out {own}/dataset",
 }
@@ -98,8 +97,6 @@ COMMANDS = {
     "do-camera": "camera lytro-illum --out {own}/out/illum.toml",
     "do-optics": "optics --depths-m 2,6 --disparity -2,2 --views 9 --lenses 512x512",
     "do-white": "white --camera-file lytro-illum --f-numbers 4 --out {own}/out",
-    "do-target": "target --camera-file lytro-illum --checkerboard 9x5 --square-mm 10 --spp 1 --out {own}/out",
-    "do-decode": "decode {own}/raw/raw.exr --white {own}/raw/white.exr --camera-file lytro-illum --out {own}/out",
     "do-dataset": INPUTS["dataset"].replace("{own}/dataset", "{own}/out"),
     "do-verify": "verify {own}/dataset",
     "do-pack": "pack {own}/dataset --out {own}/out --fields el.png,disparity.pfm",

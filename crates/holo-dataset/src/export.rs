@@ -28,6 +28,7 @@ use self::source::{LoadedField, SourceField, renamed, sources};
 use crate::Error;
 use crate::output::{OutputFolder, Rollback, TRANSFORMS};
 use crate::settings::Tool;
+use crate::settings::text::counted;
 use crate::watch::{About, Diagnostics};
 
 /// A program, or a family of programs, that light fields, raw images or images of pinhole cameras are written for.
@@ -341,11 +342,6 @@ impl ExportJob {
     fn scene_folder(&self, default_group: &str, scene: &str) -> String {
         format!("{}/{scene}", self.group.as_deref().unwrap_or(default_group))
     }
-}
-
-/// A number of things.
-fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// What an export says of itself.

@@ -1,6 +1,6 @@
 //! `holo verify`: a dataset, a sequence, or one folder of it, against what its files say of one another.
 
-use holo_dataset::{is_dataset, verify};
+use holo_dataset::{is_dataset, text, verify};
 
 use crate::arguments::VerifyOptions;
 use crate::console::out;
@@ -28,6 +28,6 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
             found.bad_folders, found.folders
         )));
     }
-    let (folders, files, bytes) = (found.folders, found.files, found.bytes as f64 / 1e9);
-    out!("{folders} folders with {files} files, {bytes:.1} GB, are as they should be")
+    let (folders, files, bytes) = (found.folders, found.files, text::bytes(found.bytes));
+    out!("{folders} folders with {files} files, {bytes}, are as they should be")
 }

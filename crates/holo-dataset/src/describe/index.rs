@@ -11,6 +11,7 @@ use holo_scene::gallery;
 use super::own::{CROISSANT_JSON, LIGHT_FIELDS_CSV, Own, TITLE};
 use crate::Error;
 use crate::output::TRANSFORMS;
+use crate::settings::text::counted;
 use crate::settings::{RenderSettings, texts};
 
 /// SPDX identifier of the license of the images.
@@ -159,20 +160,19 @@ fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     if !shapes.is_empty() {
         writeln!(
             text,
-            "{} scenes, each seen through {} arrays of micro-lenses: raw images as a holoscopic (integral, plenoptic 1.0) camera\n\
-             would take them, the same light fields as grids of views and as 5D arrays, and exact depth and disparity. Everything is\n\
-             synthetic; the ground truth comes from the geometry itself.\n",
-            scenes.len(),
-            shapes.len()
+            "Light fields of holoscopic (integral, plenoptic 1.0) cameras with exact depth and disparity: {}, each seen through {}\n\
+             of microlenses. Everything is synthetic; the ground truth comes from the geometry itself.\n",
+            counted(scenes.len(), "scene"),
+            counted(shapes.len(), "array")
         )?;
     }
     if !cameras.is_empty() {
         writeln!(
             text,
-            "{} scenes, each seen by {} plenoptic cameras: raw images as their sensors record them through main lens and\n\
+            "{}, each seen by {}: raw images as their sensors record them through main lens and\n\
              microlenses, white images, and the centers of the micro-images. Everything is synthetic; each folder has its camera.\n",
-            scenes.len(),
-            cameras.len()
+            counted(scenes.len(), "scene"),
+            counted(cameras.len(), "plenoptic camera")
         )?;
     }
     writeln!(text, "## Scenes\n\n| folder | what it is there for |\n|---|---|")?;
@@ -195,7 +195,8 @@ fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
         writeln!(text, "| `{file}` | {what} |")?;
     }
     writeln!(text, "\n## Files\n\n| file | what |\n|---|---|")?;
-    let files: &[(&str, &str)] = if shapes.is_empty() { &RAW_FILES } else { &FILES };
+    let files = FILES.iter().filter(|(_, _, word)| has_file(index, word)).map(|(file, what, _)| (*file, *what));
+    let files: Vec<_> = if shapes.is_empty() { RAW_FILES.to_vec() } else { files.collect() };
     for (file, what) in files {
         writeln!(text, "| `{file}` | {what} |")?;
     }
@@ -206,6 +207,18 @@ fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
 /// Whether folders have one of these outputs, by the settings.
 fn has_output(index: &DatasetIndex, outputs: &[&str]) -> bool {
     index.options.get("write").is_none_or(|written| written.split(',').any(|one| outputs.contains(&one)))
+}
+
+/// Whether folders have the files of a word of `write` or `layers`, by the settings.
+fn has_file(index: &DatasetIndex, word: &str) -> bool {
+    let has = |key: &str| index.options.get(key).is_some_and(|given| given.split(',').any(|one| one == word));
+    let is_default = match word {
+        "" => true,
+        "el" | "vpi" | "mat" => !index.options.contains_key("write"),
+        "disparity" | "depth" => !index.options.contains_key("write") && !index.options.contains_key("layers"),
+        _ => false,
+    };
+    is_default || has("write") || has("layers")
 }
 
 fn write_views(index: &DatasetIndex, shapes: &[LightFieldShape], text: &mut String) -> std::fmt::Result {
@@ -360,19 +373,22 @@ const LISTS: [(&str, &str); 4] = [
     (names::DATASET_JSON, "scenes, cameras, options and conventions, for programs"),
 ];
 
-/// Files of a folder of a rig, as `DATASET.md` lists them.
-const FILES: [(&str, &str); 11] = [
-    (names::ELEMENTAL_PNG, "the raw image behind the lenses"),
-    (names::VIEWPOINT_PNG, "all views side by side"),
-    (names::LIGHT_FIELD_MAT, "the light field as a 5D array for MATLAB"),
-    (names::LIGHT_FIELD_HDF5, "the same in linear light, if it was requested"),
-    (names::DISPARITY_PFM, "disparity of the central view, px between adjacent views"),
-    (names::DISPARITY_PNG, "the same as an image, brighter is nearer"),
-    (names::DEPTH_PFM, "depth of the central view, m"),
-    (names::HIT_MASK_PNG, "255 where the central view sees the scene, 0 where depth is infinite"),
-    ("scene_visibility.pfm", "part of all views that see the point of a pixel, if it was requested; 1: no occlusion"),
-    (names::PARAMETERS_CFG, "the cameras, with the keys of the HCI benchmark"),
-    (names::MANIFEST_JSON, "settings, versions, exposure, and the SHA-256 of every file"),
+/// Files of a folder of a rig, as `DATASET.md` lists them, and the words of `write` or `layers` that make them; none: always
+/// there.
+const FILES: [(&str, &str, &str); 13] = [
+    (names::ELEMENTAL_PNG, "the raw image behind the lenses", "el"),
+    (names::VIEWPOINT_PNG, "all views side by side", "vpi"),
+    (names::LIGHT_FIELD_MAT, "the light field as a 5D array for MATLAB", "mat"),
+    (names::LIGHT_FIELD_HDF5, "the same in linear light", "h5"),
+    ("hci/", "a PNG a view with depth and disparity, in the layout of the HCI benchmark", "hci"),
+    ("masks/", "masks of the central view: pixels that are hard for stereo", "masks"),
+    (names::DISPARITY_PFM, "disparity of the central view, px between adjacent views", "disparity"),
+    (names::DISPARITY_PNG, "the same as an image, brighter is nearer", "disparity"),
+    (names::DEPTH_PFM, "depth of the central view, m", "depth"),
+    (names::HIT_MASK_PNG, "255 where the central view sees the scene, 0 where depth is infinite", ""),
+    ("scene_visibility.pfm", "part of all views that see the point of a pixel; 1: no occlusion", "visibility"),
+    (names::PARAMETERS_CFG, "the cameras, with the keys of the HCI benchmark", ""),
+    (names::MANIFEST_JSON, "settings, versions, exposure, and the SHA-256 of every file", ""),
 ];
 
 /// The same of a plenoptic camera.

@@ -265,7 +265,8 @@ fn append(archive: &mut Builder<impl Write>, name: &str, bytes: u64, data: impl 
 
 impl std::fmt::Display for Archive {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}: {} light fields, {}", self.name, self.samples, text::bytes(self.bytes))
+        let fields = text::counted(self.samples, "light field");
+        write!(f, "{}: {fields}, {}", self.name, text::bytes(self.bytes))
     }
 }
 

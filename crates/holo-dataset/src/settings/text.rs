@@ -54,6 +54,11 @@ pub(crate) fn json_number(x: f64) -> Value {
     if x.is_finite() { json!(x) } else { json!(x.to_string()) }
 }
 
+/// A number of things.
+pub(crate) fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 /// A number of bytes, in kB, MB or GB of powers of ten.
 #[must_use]
 pub fn bytes(bytes: u64) -> String {
