@@ -230,8 +230,8 @@ mod tests {
         }
     }
 
-    /// Two f32 of one sign, of which neither is more than twice the other, have an exact difference. Others that are a
-    /// threshold apart are at most 0.14: their difference and the threshold are rounded by 4e-9 each.
+    /// The difference of two f32 of one sign is exact if neither is more than twice the other. In other pairs that differ
+    /// by a threshold both are at most 0.14: rounding changes their difference and the threshold by 4e-9 each.
     #[test]
     fn errors_in_f32_are_classified_alike_beside_the_thresholds() {
         for threshold_px in BAD_PIXEL_THRESHOLDS_PX {
