@@ -175,7 +175,7 @@ with zipfile.ZipFile(wheel + '.part', 'w', zipfile.ZIP_DEFLATED) as new:
                 data = file.read()
             new.writestr(entry, data)
             digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b'=').decode()
-            lines += f'{entry.filename},sha256={digest},{len(data)}\n'.encode()
+            lines += f'{entry.filename},sha256={digest},{len(data)}\\n'.encode()
     new.writestr(record, lines)
 os.replace(wheel + '.part', wheel)
 ";
